@@ -1,0 +1,235 @@
+//! The document: plain data, the only thing that is saved and undone.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::hair_mesh::HairMesh;
+use crate::light::{Light, three_point_rig};
+use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
+use crate::mesh::TriMesh;
+use crate::simulation::SimulationSettings;
+use crate::strands::Strands;
+use crate::style::StyleOp;
+
+/// A hairstyle on a head, with its lights, look and movement. Camera and window layout are not in it.
+///
+/// Large parts are behind `Arc`: a clone is cheap, and `Arc::ptr_eq` tells what changed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Groom {
+    pub name: String,
+    pub head: Option<Head>,
+    pub layers: Vec<Layer>,
+    pub lights: Vec<Light>,
+    pub look: Look,
+    pub simulation: SimulationSettings,
+}
+
+impl Default for Groom {
+    fn default() -> Self {
+        Self {
+            name: "Untitled".to_owned(),
+            head: None,
+            layers: Vec::new(),
+            lights: three_point_rig(),
+            look: Look::default(),
+            simulation: SimulationSettings::default(),
+        }
+    }
+}
+
+/// The body that hair grows on, hides behind and collides with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    pub name: String,
+    pub mesh: Arc<TriMesh>,
+}
+
+/// Strands that share a source, a style and a material.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Layer {
+    pub name: String,
+    pub visible: bool,
+    pub source: Source,
+    /// Strands at level of detail 1. For [`Source::Strands`]: how many there are.
+    pub n_strands: u32,
+    /// 4-128.
+    pub vertices_per_strand: u32,
+    /// Radius at the root, micrometres.
+    pub radius_um: f32,
+    /// Radius at the tip as a share of the root's.
+    pub tip_radius: f32,
+    pub seed: u32,
+    pub style: Vec<StyleOp>,
+    pub material: HairMaterial,
+    /// Strands per area over the scalp's texture coordinates, 0-255; `None` is everywhere full.
+    pub density: Option<Arc<ScalpMap>>,
+}
+
+/// Where a layer's strands come from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Source {
+    /// Bundles of a hair mesh; strands by mean value coordinates.
+    HairMesh(Arc<HairMesh>),
+    /// Imported or placed guides; strands by interpolation of the nearest three.
+    Guides(Arc<Strands>),
+    /// Strands as they were imported, each its own guide.
+    Strands(Arc<Strands>),
+}
+
+/// A painted map over the scalp's texture coordinates; v up, row 0 at v = 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScalpMap {
+    pub width: u32,
+    pub height: u32,
+    pub texels: Vec<u8>,
+}
+
+impl ScalpMap {
+    /// Bilinear sample at texture coordinates, 0-1; clamped at the edges.
+    pub fn sample(&self, [u, v]: [f32; 2]) -> f32 {
+        let x = (u.clamp(0.0, 1.0) * self.width as f32 - 0.5).max(0.0);
+        let y = ((1.0 - v.clamp(0.0, 1.0)) * self.height as f32 - 0.5).max(0.0);
+        let texel = |x: u32, y: u32| {
+            f32::from(self.texels[(y.min(self.height - 1) * self.width + x.min(self.width - 1)) as usize]) / 255.0
+        };
+        let (x0, y0) = (x as u32, y as u32);
+        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
+        let top = texel(x0, y0) * (1.0 - fx) + texel(x0 + 1, y0) * fx;
+        let bottom = texel(x0, y0 + 1) * (1.0 - fx) + texel(x0 + 1, y0 + 1) * fx;
+        top * (1.0 - fy) + bottom * fy
+    }
+}
+
+/// What the fibres are made of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct HairMaterial {
+    pub pigment: Pigment,
+    /// Concentrations in the units of Chiang et al. 2016 / pbrt: absorption per fibre radius is
+    /// eumelanin * (0.419, 0.697, 1.37) + pheomelanin * (0.187, 0.4, 1.05).
+    pub eumelanin: f32,
+    pub pheomelanin: f32,
+    /// Linear RGB of the whole head of hair, for [`Pigment::Colour`].
+    pub colour: [f32; 3],
+    /// Longitudinal roughness: standard deviation of the R lobe.
+    pub beta_m_deg: f32,
+    /// Azimuthal roughness, 0-1 as in Chiang et al. 2016.
+    pub beta_n: f32,
+    /// Tilt of the cuticle scales towards the root.
+    pub tilt_deg: f32,
+    pub index_of_refraction: f32,
+    /// Spread of the colour from strand to strand, 0-1.
+    pub colour_variation: f32,
+    /// Lighter towards the tip: share of the absorption that is gone there, 0-1.
+    pub tip_lightening: f32,
+}
+
+/// How the absorption is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Pigment {
+    Melanin,
+    Colour,
+}
+
+impl Choice for Pigment {
+    const ALL: &'static [Self] = &[Self::Melanin, Self::Colour];
+    fn info(self) -> ChoiceInfo {
+        match self {
+            Self::Melanin => {
+                ChoiceInfo { name: "melanin", label: "Melanin", help: "Eumelanin (brown) and pheomelanin (red)" }
+            }
+            Self::Colour => ChoiceInfo {
+                name: "colour",
+                label: "Colour",
+                help: "The absorption that gives a head of hair this colour (Chiang et al. 2016)",
+            },
+        }
+    }
+}
+
+impl Default for HairMaterial {
+    fn default() -> Self {
+        Self {
+            pigment: Pigment::Melanin,
+            eumelanin: 1.3,
+            pheomelanin: 0.2,
+            colour: [0.25, 0.12, 0.05],
+            beta_m_deg: 7.5,
+            beta_n: 0.3,
+            tilt_deg: 3.0,
+            index_of_refraction: 1.55,
+            colour_variation: 0.15,
+            tip_lightening: 0.15,
+        }
+    }
+}
+
+impl HairMaterial {
+    /// Absorption coefficient per fibre radius, RGB.
+    pub fn sigma_a(&self) -> Vec3 {
+        match self.pigment {
+            // pbrt-v4, HairBxDF::SigmaAFromConcentration, after d'Eon et al. 2011.
+            Pigment::Melanin => {
+                Vec3::new(0.419, 0.697, 1.37) * self.eumelanin + Vec3::new(0.187, 0.4, 1.05) * self.pheomelanin
+            }
+            // Chiang et al. 2016, eq. 9.
+            Pigment::Colour => {
+                let b = self.beta_n;
+                let d =
+                    5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5);
+                Vec3::from_array(self.colour.map(|c| (c.clamp(1e-4, 0.999).ln() / d).powi(2)))
+            }
+        }
+    }
+
+    /// The material's settings as a slot, for panels and `--set`.
+    #[rustfmt::skip]
+    pub fn slot(&mut self) -> Slot<'_> {
+        let number = |key: &str, label, unit, (min, max), value, of, help| Param {
+            key: format!("hair.{key}"), label, unit, min, max, of, help, value: ParamValue::F32(value),
+        };
+        Slot { key: "hair", label: "Hair fibre", help: "What the fibres of a layer are made of", choice: &mut self.pigment as &mut dyn AnyChoice, params: vec![
+            number("eumelanin", "Eumelanin", "", (0.0, 10.0), &mut self.eumelanin, &["melanin"] as &'static [&'static str], "Brown pigment: 8 black, 1.3 brown, 0.3 blond"),
+            number("pheomelanin", "Pheomelanin", "", (0.0, 10.0), &mut self.pheomelanin, &["melanin"], "Red pigment: 1.5-2 in red hair"),
+            Param { key: "hair.colour".to_owned(), label: "Colour", unit: "linear RGB", min: 0.0, max: 1.0, of: &["colour"], help: "Colour of the whole head of hair", value: ParamValue::Colour(&mut self.colour) },
+            number("beta_m_deg", "Longitudinal roughness", "deg", (1.0, 40.0), &mut self.beta_m_deg, &[], "Width of the highlight along the strand"),
+            number("beta_n", "Azimuthal roughness", "", (0.05, 1.0), &mut self.beta_n, &[], "Width of the scattering around the strand"),
+            number("tilt_deg", "Scale tilt", "deg", (-10.0, 10.0), &mut self.tilt_deg, &[], "Shifts the highlights: white to the root, coloured to the tip"),
+            number("ior", "Index of refraction", "", (1.1, 2.2), &mut self.index_of_refraction, &[], "1.55 for hair"),
+            number("variation", "Colour variation", "", (0.0, 1.0), &mut self.colour_variation, &[], "From strand to strand"),
+            number("tip_lightening", "Tip lightening", "", (0.0, 1.0), &mut self.tip_lightening, &[], "Share of the pigment that is gone at the tip"),
+        ] }
+    }
+}
+
+impl Groom {
+    /// Strands of all visible layers at level of detail 1.
+    pub fn n_strands(&self) -> usize {
+        self.layers.iter().filter(|layer| layer.visible).map(|layer| layer.n_strands as usize).sum()
+    }
+}
+
+impl Layer {
+    /// A layer of strands as imported, at the width of average hair.
+    pub fn from_strands(name: &str, strands: Strands) -> Self {
+        Self { n_strands: strands.n_strands() as u32, ..Self::new(name, Source::Strands(Arc::new(strands))) }
+    }
+
+    pub fn new(name: &str, source: Source) -> Self {
+        Self {
+            name: name.to_owned(),
+            visible: true,
+            source,
+            n_strands: 100_000,
+            vertices_per_strand: 32,
+            radius_um: 40.0,
+            tip_radius: 0.3,
+            seed: 0,
+            style: Vec::new(),
+            material: HairMaterial::default(),
+            density: None,
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! The groom document and everything about it that needs no GPU and no window.
+//!
+//! Units: centimetres, grams, seconds; right-handed, Y up, Z towards the viewer. Angles are radians
+//! unless a name ends in `_deg`. Radii that a person edits are micrometres (`_um`).
+
+pub mod camera;
+pub mod groom;
+pub mod guides;
+pub mod hair_mesh;
+pub mod light;
+pub mod look;
+pub mod mesh;
+pub mod simulation;
+pub mod strands;
+pub mod style;

@@ -1,0 +1,64 @@
+//! A triangle mesh with named face groups: the head, a collider, a scalp.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Name of the face group that grows hair.
+pub const SCALP_GROUP: &str = "scalp";
+
+/// Triangles, counter-clockwise seen from outside. Positions in centimetres.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct TriMesh {
+    pub positions: Vec<Vec3>,
+    /// One unit normal a vertex, or empty until [`TriMesh::compute_normals`].
+    pub normals: Vec<Vec3>,
+    /// One texture coordinate a vertex, or empty.
+    pub uvs: Vec<[f32; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Named face groups; a triangle is in at most one.
+    pub groups: Vec<FaceGroup>,
+}
+
+/// Triangles that belong together under a name (OBJ group, glTF primitive or material).
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct FaceGroup {
+    pub name: String,
+    /// Indices into [`TriMesh::triangles`].
+    pub triangles: Vec<u32>,
+}
+
+impl TriMesh {
+    pub fn corners(&self, triangle_idx: usize) -> [Vec3; 3] {
+        self.triangles[triangle_idx].map(|v| self.positions[v as usize])
+    }
+
+    pub fn group(&self, name: &str) -> Option<&FaceGroup> {
+        self.groups.iter().find(|group| group.name == name)
+    }
+
+    /// Smallest box around all vertices as (min, max); `None` where there are none.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let first = *self.positions.first()?;
+        Some(self.positions.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p))))
+    }
+
+    /// Compute smooth vertex normals, weighted by area. Vertices at one place share their normal, so
+    /// that texture seams do not show in the shading.
+    pub fn compute_normals(&mut self) {
+        use std::collections::HashMap;
+        let key = |p: Vec3| p.to_array().map(f32::to_bits);
+        let mut normal_at: HashMap<[u32; 3], Vec3> = HashMap::with_capacity(self.positions.len());
+        for triangle_idx in 0..self.triangles.len() {
+            let [a, b, c] = self.corners(triangle_idx);
+            let area_normal = (b - a).cross(c - a);
+            for p in [a, b, c] {
+                *normal_at.entry(key(p)).or_default() += area_normal;
+            }
+        }
+        self.normals = self
+            .positions
+            .iter()
+            .map(|&p| normal_at.get(&key(p)).copied().unwrap_or_default().normalize_or(Vec3::Y))
+            .collect();
+    }
+}
