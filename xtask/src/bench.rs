@@ -1,0 +1,128 @@
+//! `cargo xtask bench`: the studio's speed on this machine, as ratios of runs that alternate.
+//!
+//! It drives the release program through its command line, so that it measures what a user gets.
+//! Absolute times are printed with the adapter's name; on a software driver only ratios mean anything.
+
+use std::process::Command;
+use std::time::Instant;
+
+use crate::machine::{self, Needs, release_binary, root};
+use crate::run::build_release;
+
+const N_ROUNDS: usize = 5;
+
+/// `args`: extra arguments for every `lorelei render`, such as `--strands 20000`.
+pub fn bench(args: &[String]) -> Result<(), String> {
+    machine::prepare(Needs::Pictures)?;
+    build_release()?;
+    let out = root().join("out");
+    std::fs::create_dir_all(&out).map_err(|why| format!("cannot create the folder `out`: {why}"))?;
+    let picture = out.join("bench.png");
+    let render = |set: &[&str]| -> Result<(String, f64), String> {
+        let mut command = Command::new(release_binary("lorelei"));
+        command.args(["render", "--json", "--repeat", "3", "--out"]).arg(&picture);
+        for pair in set {
+            command.args(["--set", pair]);
+        }
+        command.args(args);
+        let start = Instant::now();
+        let output = command.output().map_err(|why| format!("lorelei could not be started: {why}"))?;
+        if !output.status.success() {
+            return Err(format!("lorelei render failed: {}", String::from_utf8_lossy(&output.stderr)));
+        }
+        Ok((String::from_utf8_lossy(&output.stdout).into_owned(), start.elapsed().as_secs_f64() * 1e3))
+    };
+
+    println!(
+        "Compute path against ribbon path, the same frame, alternating ({N_ROUNDS} rounds, median of 3 frames each):"
+    );
+    let (mut compute, mut ribbons, mut start_up, mut adapter) = (Vec::new(), Vec::new(), Vec::new(), String::new());
+    for _ in 0..N_ROUNDS {
+        let (json, wall_ms) = render(&["primitive=compute"])?;
+        compute.push(number(&json, "frame_ms")?);
+        start_up.push(wall_ms);
+        adapter = text(&json, "adapter").unwrap_or_default();
+        ribbons.push(number(&render(&["primitive=ribbons"])?.0, "frame_ms")?);
+    }
+    let (compute, ribbons) = (Spread::of(compute), Spread::of(ribbons));
+    println!("  adapter   {adapter}");
+    println!("  compute   {compute} ms");
+    println!("  ribbons   {ribbons} ms");
+    println!("  ratio     {:.2}", ribbons.median / compute.median);
+    println!(
+        "Start-up to the written picture (process start, open the default groom, compile shaders, 3 frames, PNG):"
+    );
+    println!("  {} ms", Spread::of(start_up));
+
+    println!("Import rate (lorelei info, whole process):");
+    for (name, format) in [("hair", "bench.hair"), ("tfx", "bench.tfx"), ("data", "bench.data")] {
+        let file = out.join(format);
+        let mut convert = Command::new(release_binary("lorelei"));
+        convert.arg("convert").arg("default").arg(&file);
+        convert.args(["--what", "strands"]);
+        let converted = convert.output().map_err(|why| format!("lorelei could not be started: {why}"))?;
+        if !converted.status.success() {
+            return Err(format!("lorelei convert failed: {}", String::from_utf8_lossy(&converted.stderr)));
+        }
+        let bytes = std::fs::metadata(&file).map_or(0, |meta| meta.len());
+        let times: Vec<f64> = (0..N_ROUNDS)
+            .map(|_| {
+                let start = Instant::now();
+                let _ = Command::new(release_binary("lorelei")).arg("info").arg(&file).arg("--json").output();
+                start.elapsed().as_secs_f64() * 1e3
+            })
+            .collect();
+        let spread = Spread::of(times);
+        println!(
+            "  .{name:<5} {:7.1} MB in {spread} ms: {:.0} MB/s",
+            bytes as f64 / 1e6,
+            bytes as f64 / 1e3 / spread.median
+        );
+    }
+    Ok(())
+}
+
+struct Spread {
+    min: f64,
+    median: f64,
+    max: f64,
+}
+
+impl Spread {
+    fn of(mut values: Vec<f64>) -> Self {
+        values.sort_by(f64::total_cmp);
+        Self { min: values[0], median: values[values.len() / 2], max: values[values.len() - 1] }
+    }
+}
+
+impl std::fmt::Display for Spread {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:8.1} (min {:.1}, max {:.1})", self.median, self.min, self.max)
+    }
+}
+
+/// The number after `"key":` in the program's own flat JSON. A JSON library would be this program's only dependency.
+fn number(json: &str, key: &str) -> Result<f64, String> {
+    let missing = || format!("lorelei printed no `{key}`: {json}");
+    let after = json.split_once(&format!("\"{key}\":")).ok_or_else(missing)?.1.trim_start();
+    let end = after.find(|c: char| !(c.is_ascii_digit() || ".-+eE".contains(c))).unwrap_or(after.len());
+    after[..end].parse().map_err(|_| missing())
+}
+
+fn text(json: &str, key: &str) -> Option<String> {
+    let after = json.split_once(&format!("\"{key}\":"))?.1.trim_start().strip_prefix('"')?;
+    Some(after.split('"').next()?.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_texts_are_read_from_flat_json() {
+        let json = r#"{"adapter": "llvmpipe (LLVM 15)", "frame_ms": 12.5e1, "out": "x.png"}"#;
+        assert_eq!(number(json, "frame_ms"), Ok(125.0));
+        assert_eq!(text(json, "adapter").as_deref(), Some("llvmpipe (LLVM 15)"));
+        assert!(number(json, "missing").is_err());
+    }
+}

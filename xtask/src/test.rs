@@ -1,0 +1,95 @@
+//! `cargo xtask test`: set up, build, run every test, print the totals.
+
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+use crate::machine::{self, Needs, cargo, root, status_of};
+
+/// Every test of the workspace, the baker's included. `args` go to `cargo test`.
+pub fn test(args: &[String]) -> Result<(), String> {
+    machine::prepare(Needs::Tests)?;
+    // The window tests start the program itself.
+    let mut build = cargo();
+    build.current_dir(root()).args(["build", "--package", "lorelei"]);
+    status_of(build)?;
+    let mut command = cargo();
+    command.current_dir(root()).args(["test", "--workspace", "--features", "xtask/bake", "--no-fail-fast"]).args(args);
+    let mut child =
+        command.stdout(Stdio::piped()).spawn().map_err(|why| format!("cargo could not be started: {why}"))?;
+    let stdout = child.stdout.take().expect("stdout is piped");
+    let mut totals = Totals::default();
+    for line in BufReader::new(stdout).lines() {
+        let line = line.map_err(|why| format!("cargo's output broke off: {why}"))?;
+        println!("{line}");
+        totals.add(&line);
+    }
+    let status = child.wait().map_err(|why| format!("cargo did not end: {why}"))?;
+    println!(
+        "total: {} passed; {} failed; {} ignored; {} skipped for want of something named above",
+        totals.passed, totals.failed, totals.ignored, totals.skipped
+    );
+    if status.success() { Ok(()) } else { Err(format!("{} tests failed", totals.failed)) }
+}
+
+/// Format and clippy over everything, warnings denied.
+pub fn lint() -> Result<(), String> {
+    let mut fmt = cargo();
+    fmt.current_dir(root()).args(["fmt", "--all", "--check"]);
+    status_of(fmt)?;
+    let mut clippy = cargo();
+    clippy.current_dir(root()).args([
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--features",
+        "xtask/bake",
+        "--",
+        "-D",
+        "warnings",
+    ]);
+    status_of(clippy)
+}
+
+#[derive(Default, Debug, PartialEq)]
+struct Totals {
+    passed: u32,
+    failed: u32,
+    ignored: u32,
+    skipped: u32,
+}
+
+impl Totals {
+    fn add(&mut self, line: &str) {
+        if line.contains("skipped: ") {
+            self.skipped += 1;
+        }
+        let Some(result) = line.strip_prefix("test result: ") else { return };
+        for part in result.split([';', '.']) {
+            let mut words = part.split_whitespace();
+            let (Some(number), Some(word)) = (words.next().and_then(|word| word.parse::<u32>().ok()), words.next())
+            else {
+                continue;
+            };
+            match word {
+                "passed" => self.passed += number,
+                "failed" => self.failed += number,
+                "ignored" => self.ignored += number,
+                _ => {}
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn totals_add_up_over_several_binaries() {
+        let mut totals = Totals::default();
+        totals.add("test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 1.00s");
+        totals.add("test result: FAILED. 3 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.00s");
+        totals.add("skipped: no ../shared here");
+        assert_eq!(totals, Totals { passed: 15, failed: 2, ignored: 1, skipped: 1 });
+    }
+}
