@@ -4,9 +4,11 @@
 //! unless a name ends in `_deg`. Radii that a person edits are micrometres (`_um`).
 
 pub mod camera;
+pub mod edit;
 pub mod groom;
 pub mod guides;
 pub mod hair_mesh;
+pub mod history;
 pub mod light;
 pub mod look;
 pub mod mesh;

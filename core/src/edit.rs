@@ -1,0 +1,295 @@
+//! Everything that can happen to a groom, as plain data whose application returns its own inverse.
+//!
+//! Undo is [`Groom::apply`] of what `apply` returned, so it cannot drift from what was done. Whole values
+//! (a look, a material, a layer) are replaced rather than single fields: the large parts are behind `Arc`,
+//! the rest is a few hundred bytes, and one edit then serves every control of a panel. Closures and
+//! snapshots of the whole groom were rejected: a closure cannot be saved or compared, and a snapshot
+//! hides what changed from whoever wants to show it.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
+use crate::light::Light;
+use crate::look::Look;
+use crate::simulation::SimulationSettings;
+use crate::style::StyleOp;
+
+/// One change of a groom. Layers are named by their place in [`Groom::layers`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Edit {
+    SetName(String),
+    SetHead(Option<Head>),
+    SetLook(Box<Look>),
+    SetLights(Vec<Light>),
+    SetSimulation(Box<SimulationSettings>),
+    AddLayer {
+        layer_idx: usize,
+        layer: Box<Layer>,
+    },
+    RemoveLayer {
+        layer_idx: usize,
+    },
+    /// Take the layer out and put it back so that it ends at `to`.
+    MoveLayer {
+        from: usize,
+        to: usize,
+    },
+    /// Replace a layer: its source, counts and widths in one.
+    SetLayer {
+        layer_idx: usize,
+        layer: Box<Layer>,
+    },
+    SetLayerName {
+        layer_idx: usize,
+        name: String,
+    },
+    SetLayerVisible {
+        layer_idx: usize,
+        visible: bool,
+    },
+    SetMaterial {
+        layer_idx: usize,
+        material: HairMaterial,
+    },
+    SetStyle {
+        layer_idx: usize,
+        style: Vec<StyleOp>,
+    },
+    /// One after the other, undone as one.
+    Batch(Vec<Edit>),
+}
+
+/// Why an edit does not fit the groom that it was applied to. The groom is then as it was.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    #[error("there is no layer {layer_idx}: the groom has {n_layers}")]
+    NoSuchLayer { layer_idx: usize, n_layers: usize },
+}
+
+impl Groom {
+    /// Change the groom and return the edit that changes it back. On an error nothing has changed.
+    pub fn apply(&mut self, edit: Edit) -> Result<Edit, EditError> {
+        use std::mem::replace;
+        Ok(match edit {
+            Edit::SetName(name) => Edit::SetName(replace(&mut self.name, name)),
+            Edit::SetHead(head) => Edit::SetHead(replace(&mut self.head, head)),
+            Edit::SetLook(look) => Edit::SetLook(Box::new(replace(&mut self.look, *look))),
+            Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
+            Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),
+            Edit::AddLayer { layer_idx, layer } => {
+                let n_layers = self.layers.len();
+                if layer_idx > n_layers {
+                    return Err(EditError::NoSuchLayer { layer_idx, n_layers });
+                }
+                self.layers.insert(layer_idx, *layer);
+                Edit::RemoveLayer { layer_idx }
+            }
+            Edit::RemoveLayer { layer_idx } => {
+                self.layer_mut(layer_idx)?;
+                let layer = Box::new(self.layers.remove(layer_idx));
+                Edit::AddLayer { layer_idx, layer }
+            }
+            Edit::MoveLayer { from, to } => {
+                self.layer_mut(from)?;
+                self.layer_mut(to)?;
+                let layer = self.layers.remove(from);
+                self.layers.insert(to, layer);
+                Edit::MoveLayer { from: to, to: from }
+            }
+            Edit::SetLayer { layer_idx, layer } => {
+                let layer = Box::new(replace(self.layer_mut(layer_idx)?, *layer));
+                Edit::SetLayer { layer_idx, layer }
+            }
+            Edit::SetLayerName { layer_idx, name } => {
+                let name = replace(&mut self.layer_mut(layer_idx)?.name, name);
+                Edit::SetLayerName { layer_idx, name }
+            }
+            Edit::SetLayerVisible { layer_idx, visible } => {
+                let visible = replace(&mut self.layer_mut(layer_idx)?.visible, visible);
+                Edit::SetLayerVisible { layer_idx, visible }
+            }
+            Edit::SetMaterial { layer_idx, material } => {
+                let material = replace(&mut self.layer_mut(layer_idx)?.material, material);
+                Edit::SetMaterial { layer_idx, material }
+            }
+            Edit::SetStyle { layer_idx, style } => {
+                let style = replace(&mut self.layer_mut(layer_idx)?.style, style);
+                Edit::SetStyle { layer_idx, style }
+            }
+            Edit::Batch(edits) => self.apply_batch(edits)?,
+        })
+    }
+
+    fn apply_batch(&mut self, edits: Vec<Edit>) -> Result<Edit, EditError> {
+        let mut inverses = Vec::with_capacity(edits.len());
+        for edit in edits {
+            match self.apply(edit) {
+                Ok(inverse) => inverses.push(inverse),
+                Err(error) => {
+                    for inverse in inverses.into_iter().rev() {
+                        self.apply(inverse).expect("an inverse fits the groom that it came from");
+                    }
+                    return Err(error);
+                }
+            }
+        }
+        inverses.reverse();
+        Ok(Edit::Batch(inverses))
+    }
+
+    fn layer_mut(&mut self, layer_idx: usize) -> Result<&mut Layer, EditError> {
+        let n_layers = self.layers.len();
+        self.layers.get_mut(layer_idx).ok_or(EditError::NoSuchLayer { layer_idx, n_layers })
+    }
+}
+
+impl Edit {
+    /// Whether `self` overwrites all that `other` wrote, so that a drag can drop the steps in between.
+    pub fn overwrites(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::SetName(_), Self::SetName(_))
+            | (Self::SetHead(_), Self::SetHead(_))
+            | (Self::SetLook(_), Self::SetLook(_))
+            | (Self::SetLights(_), Self::SetLights(_))
+            | (Self::SetSimulation(_), Self::SetSimulation(_)) => true,
+            (Self::SetLayer { layer_idx: a, .. }, Self::SetLayer { layer_idx: b, .. })
+            | (Self::SetLayerName { layer_idx: a, .. }, Self::SetLayerName { layer_idx: b, .. })
+            | (Self::SetLayerVisible { layer_idx: a, .. }, Self::SetLayerVisible { layer_idx: b, .. })
+            | (Self::SetMaterial { layer_idx: a, .. }, Self::SetMaterial { layer_idx: b, .. })
+            | (Self::SetStyle { layer_idx: a, .. }, Self::SetStyle { layer_idx: b, .. }) => a == b,
+            (Self::Batch(a), Self::Batch(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.overwrites(b)),
+            _ => false,
+        }
+    }
+
+    /// Call `visit` with the address and the bytes of everything large that the edit keeps alive.
+    pub fn visit_shared(&self, visit: &mut dyn FnMut(usize, usize)) {
+        match self {
+            Self::SetHead(Some(head)) => {
+                let mesh = &head.mesh;
+                let n_bytes = mesh.positions.len() * 24 + mesh.uvs.len() * 8 + mesh.triangles.len() * 16;
+                visit(Arc::as_ptr(mesh) as usize, n_bytes);
+            }
+            Self::AddLayer { layer, .. } | Self::SetLayer { layer, .. } => {
+                match &layer.source {
+                    Source::HairMesh(hair_mesh) => {
+                        let n_bytes = hair_mesh.layers.iter().map(|l| l.positions.len() * 12 + l.faces.len() * 48);
+                        visit(Arc::as_ptr(hair_mesh) as usize, n_bytes.sum());
+                    }
+                    Source::Guides(strands) | Source::Strands(strands) => {
+                        visit(Arc::as_ptr(strands) as usize, strands.n_bytes());
+                    }
+                }
+                if let Some(map) = &layer.density {
+                    visit(Arc::as_ptr(map) as usize, map.texels.len());
+                }
+            }
+            Self::Batch(edits) => edits.iter().for_each(|edit| edit.visit_shared(visit)),
+            Self::SetName(_)
+            | Self::SetHead(None)
+            | Self::SetLook(_)
+            | Self::SetLights(_)
+            | Self::SetSimulation(_)
+            | Self::RemoveLayer { .. }
+            | Self::MoveLayer { .. }
+            | Self::SetLayerName { .. }
+            | Self::SetLayerVisible { .. }
+            | Self::SetMaterial { .. }
+            | Self::SetStyle { .. } => {}
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::look::{Scattering, Shadowing};
+    use crate::mesh::TriMesh;
+    use crate::strands::Strands;
+    use crate::style::StyleKind;
+
+    fn layer_named(name: &str) -> Layer {
+        let mut strands = Strands::default();
+        strands.push(&[Vec3::ZERO, Vec3::new(0.0, -0.1, name.len() as f32)]);
+        Layer::from_strands(name, strands)
+    }
+
+    fn any_leaf() -> impl Strategy<Value = Edit> {
+        let layer_idx = || 0_usize..5;
+        prop_oneof![
+            "[a-z]{0,6}".prop_map(Edit::SetName),
+            any::<bool>().prop_map(|with_head| {
+                Edit::SetHead(with_head.then(|| Head { name: "head".into(), mesh: Arc::new(TriMesh::default()) }))
+            }),
+            (-2.0..2.0_f32, any::<bool>()).prop_map(|(exposure, kk)| {
+                let scattering = if kk { Scattering::KajiyaKay } else { Scattering::Marschner };
+                Edit::SetLook(Box::new(Look { exposure, scattering, shadowing: Shadowing::Off, ..Look::default() }))
+            }),
+            (0_usize..4).prop_map(|n| Edit::SetLights(vec![Light::directional("l", 1.0, 2.0, 3.0, [1.0; 3]); n])),
+            (0.0..500.0_f32).prop_map(|wind_speed| {
+                Edit::SetSimulation(Box::new(SimulationSettings { wind_speed, ..SimulationSettings::default() }))
+            }),
+            (layer_idx(), "[a-z]{1,4}")
+                .prop_map(|(layer_idx, name)| Edit::AddLayer { layer_idx, layer: Box::new(layer_named(&name)) }),
+            layer_idx().prop_map(|layer_idx| Edit::RemoveLayer { layer_idx }),
+            (layer_idx(), layer_idx()).prop_map(|(from, to)| Edit::MoveLayer { from, to }),
+            (layer_idx(), "[a-z]{1,4}")
+                .prop_map(|(layer_idx, name)| Edit::SetLayer { layer_idx, layer: Box::new(layer_named(&name)) }),
+            (layer_idx(), "[a-z]{1,4}").prop_map(|(layer_idx, name)| Edit::SetLayerName { layer_idx, name }),
+            (layer_idx(), any::<bool>()).prop_map(|(layer_idx, visible)| Edit::SetLayerVisible { layer_idx, visible }),
+            (layer_idx(), 0.0..8.0_f32).prop_map(|(layer_idx, eumelanin)| Edit::SetMaterial {
+                layer_idx,
+                material: HairMaterial { eumelanin, ..HairMaterial::default() }
+            }),
+            (layer_idx(), 0_u32..4).prop_map(|(layer_idx, seed)| {
+                let kind = StyleKind::Clump { strands_per_clump: 50.0 };
+                let op = StyleOp { on: true, strength: 0.5, from: 0.0, ramp: 1.0, seed, kind };
+                Edit::SetStyle { layer_idx, style: vec![op; seed as usize] }
+            }),
+        ]
+    }
+
+    pub(crate) fn any_edit() -> impl Strategy<Value = Edit> {
+        prop_oneof![4 => any_leaf(), 1 => proptest::collection::vec(any_leaf(), 0..4).prop_map(Edit::Batch)]
+    }
+
+    pub(crate) fn small_groom() -> Groom {
+        Groom { layers: vec![layer_named("fringe"), layer_named("back")], ..Groom::default() }
+    }
+
+    proptest! {
+        #[test]
+        fn undoing_every_edit_gives_the_first_groom(edits in proptest::collection::vec(any_edit(), 0..40)) {
+            let first = small_groom();
+            let first_text = ron::to_string(&first).unwrap();
+            let mut groom = first.clone();
+            let mut inverses = Vec::new();
+            for edit in edits {
+                let before = groom.clone();
+                match groom.apply(edit) {
+                    Ok(inverse) => inverses.push(inverse),
+                    Err(_) => prop_assert_eq!(&groom, &before, "a refused edit changes nothing"),
+                }
+            }
+            for inverse in inverses.into_iter().rev() {
+                groom.apply(inverse).unwrap();
+            }
+            prop_assert_eq!(&groom, &first);
+            prop_assert_eq!(ron::to_string(&groom).unwrap(), first_text);
+        }
+    }
+
+    #[test]
+    fn a_batch_that_fails_in_the_middle_changes_nothing() {
+        let mut groom = small_groom();
+        let before = groom.clone();
+        let batch = Edit::Batch(vec![Edit::SetName("other".into()), Edit::RemoveLayer { layer_idx: 9 }]);
+        assert_eq!(groom.apply(batch), Err(EditError::NoSuchLayer { layer_idx: 9, n_layers: 2 }));
+        assert_eq!(groom, before);
+    }
+}
