@@ -4,6 +4,7 @@
 //! unless a name ends in `_deg`. Radii that a person edits are micrometres (`_um`).
 
 pub mod camera;
+pub mod distance_field;
 pub mod edit;
 pub mod groom;
 pub mod guides;
@@ -12,6 +13,7 @@ pub mod history;
 pub mod light;
 pub mod look;
 pub mod mesh;
+pub mod mesh_query;
 pub mod simulation;
 pub mod strands;
 pub mod style;
