@@ -212,6 +212,22 @@ impl Groom {
 }
 
 impl Layer {
+    /// Counts and widths, for the outliner's panel.
+    #[rustfmt::skip]
+    pub fn params(&mut self) -> Vec<Param<'_>> {
+        let given = matches!(self.source, Source::Strands(_));
+        let mut params = vec![
+            Param { key: "layer.vertices".to_owned(), label: "Vertices a strand", unit: "", min: 4.0, max: 128.0, of: &[], help: "Smoothness of every strand", value: ParamValue::U32(&mut self.vertices_per_strand) },
+            Param { key: "layer.radius".to_owned(), label: "Radius", unit: "\u{b5}m", min: 5.0, max: 500.0, of: &[], help: "At the root; 25-50 is human hair", value: ParamValue::F32(&mut self.radius_um) },
+            Param { key: "layer.tip".to_owned(), label: "Tip", unit: "of the root", min: 0.0, max: 1.0, of: &[], help: "Radius at the tip as a share of the root's", value: ParamValue::F32(&mut self.tip_radius) },
+            Param { key: "layer.seed".to_owned(), label: "Seed", unit: "", min: 0.0, max: 9999.0, of: &[], help: "Another seed, another head of hair of the same style", value: ParamValue::U32(&mut self.seed) },
+        ];
+        if !given {
+            params.insert(0, Param { key: "layer.strands".to_owned(), label: "Strands", unit: "", min: 1.0, max: 1_000_000.0, of: &[], help: "At level of detail 1", value: ParamValue::U32(&mut self.n_strands) });
+        }
+        params
+    }
+
     /// A layer of strands as imported, at the width of average hair.
     pub fn from_strands(name: &str, strands: Strands) -> Self {
         Self { n_strands: strands.n_strands() as u32, ..Self::new(name, Source::Strands(Arc::new(strands))) }

@@ -55,6 +55,8 @@ macro_rules! choices {
     };
 }
 
+pub(crate) use choices;
+
 choices! {
     /// How strands become pixels.
     Primitive {
@@ -266,6 +268,32 @@ pub struct Param<'a> {
     pub value: ParamValue<'a>,
 }
 
+impl Param<'_> {
+    /// Take a value as [`ParamValue::to_text`] writes it; out of range or not a number is refused.
+    pub fn set_from_text(&mut self, value: &str) -> Result<(), SetError> {
+        let (min, max) = (self.min, self.max);
+        let bad = |takes: String| SetError::BadValue { key: self.key.clone(), value: value.to_owned(), takes };
+        let in_range = |v: f32| v.is_finite() && v >= min && v <= max;
+        match &mut self.value {
+            ParamValue::F32(target) => {
+                let number = value.parse::<f32>().ok().filter(|&v| in_range(v));
+                **target = number.ok_or_else(|| bad(format!("a number from {min} to {max} {}", self.unit)))?;
+            }
+            ParamValue::U32(target) => {
+                let number = value.parse::<u32>().ok().filter(|&v| in_range(v as f32));
+                **target = number.ok_or_else(|| bad(format!("a whole number from {min} to {max}")))?;
+            }
+            ParamValue::Colour(target) => {
+                let numbers: Option<Vec<f32>> =
+                    value.split(',').map(|part| part.trim().parse().ok().filter(|&v| in_range(v))).collect();
+                let rgb = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+                **target = rgb.ok_or_else(|| bad(format!("three numbers from {min} to {max}: R,G,B")))?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// One rendering question.
 pub struct Slot<'a> {
     pub key: &'static str,
@@ -395,34 +423,20 @@ pub enum SetError {
 
 /// Set a slot's choice (`shadowing=off`) or a parameter (`shadowing.layers=5`) from text.
 pub fn set(slots: &mut [Slot<'_>], key: &str, value: &str) -> Result<(), SetError> {
-    let bad = |takes: String| SetError::BadValue { key: key.to_owned(), value: value.to_owned(), takes };
     for slot in slots.iter_mut() {
         if slot.key == key {
             let infos = slot.choice.infos();
             let index = infos.iter().position(|info| info.name == value);
-            let index = index.ok_or_else(|| bad(infos.iter().map(|info| info.name).collect::<Vec<_>>().join(", ")))?;
+            let index = index.ok_or_else(|| SetError::BadValue {
+                key: key.to_owned(),
+                value: value.to_owned(),
+                takes: infos.iter().map(|info| info.name).collect::<Vec<_>>().join(", "),
+            })?;
             slot.choice.set_index(index);
             return Ok(());
         }
         let Some(param) = slot.params.iter_mut().find(|param| param.key == key) else { continue };
-        let (min, max) = (param.min, param.max);
-        let in_range = |v: f32| v.is_finite() && v >= min && v <= max;
-        match &mut param.value {
-            ParamValue::F32(target) => {
-                let number = value.parse::<f32>().ok().filter(|&v| in_range(v));
-                **target = number.ok_or_else(|| bad(format!("a number from {min} to {max} {}", param.unit)))?;
-            }
-            ParamValue::U32(target) => {
-                let number = value.parse::<u32>().ok().filter(|&v| in_range(v as f32));
-                **target = number.ok_or_else(|| bad(format!("a whole number from {min} to {max}")))?;
-            }
-            ParamValue::Colour(target) => {
-                let numbers: Option<Vec<f32>> =
-                    value.split(',').map(|part| part.trim().parse().ok().filter(|&v| in_range(v))).collect();
-                let rgb = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-                **target = rgb.ok_or_else(|| bad(format!("three numbers from {min} to {max}: R,G,B")))?;
-            }
-        }
+        param.set_from_text(value)?;
         return Ok(());
     }
     let mut keys: Vec<String> = Vec::new();
