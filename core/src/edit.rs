@@ -247,7 +247,7 @@ pub(crate) mod tests {
                 material: HairMaterial { eumelanin, ..HairMaterial::default() }
             }),
             (layer_idx(), 0_u32..4).prop_map(|(layer_idx, seed)| {
-                let kind = StyleKind::Clump { strands_per_clump: 50.0 };
+                let kind = StyleKind::Clump { strands_per_clump: 50.0, flare: 0.0, stray: 0.0 };
                 let op = StyleOp { on: true, strength: 0.5, from: 0.0, ramp: 1.0, seed, kind };
                 Edit::SetStyle { layer_idx, style: vec![op; seed as usize] }
             }),

@@ -4,6 +4,14 @@
 //! Face `j` of layer `k` stands on face `j` of layer `k - 1`, corner on corner; so a bundle is an index,
 //! and the one-to-many mapping of vertices follows from the corners. Storing prisms was rejected: they
 //! would repeat what the index already says.
+//!
+//! What [`HairMesh::check`] demands:
+//! - every layer has a place for every bundle; a bundle that has a face in a layer has one in all below;
+//! - a face has at least three different corners, as many as the bundle's face in layer 0;
+//! - a vertex stands on one vertex of the layer below, whichever face one asks (one-to-many, paper 3.1);
+//! - indices are in range and positions finite.
+//!
+//! A bundle without a face in layer 0 is a deleted one: no hair grows there, and no other index moves.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -21,4 +29,322 @@ pub struct HairMeshLayer {
     /// Face of each bundle: at least three corners, as many as the bundle has in layer 0; `None` above
     /// the bundle's tip.
     pub faces: Vec<Option<Vec<u32>>>,
+}
+
+/// Why layers are no hair mesh, or an operation cannot be done.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum HairMeshError {
+    #[error("layer {layer} has places for {found} bundles and layer 0 for {expected}")]
+    BundleCount { layer: usize, found: usize, expected: usize },
+    #[error("bundle {bundle} has a face in layer {layer} but none in the layer below")]
+    Gap { layer: usize, bundle: usize },
+    #[error("the face of bundle {bundle} in layer {layer} has {found} corners; its root face has {expected}")]
+    CornerCount { layer: usize, bundle: usize, found: usize, expected: usize },
+    #[error("the face of bundle {bundle} in layer {layer} has fewer than three different corners")]
+    Degenerate { layer: usize, bundle: usize },
+    #[error("the face of bundle {bundle} in layer {layer} names vertex {vertex}, which the layer does not have")]
+    Index { layer: usize, bundle: usize, vertex: u32 },
+    #[error("vertex {vertex} of layer {layer} stands on two vertices of the layer below: separate it first")]
+    ManyToOne { layer: usize, vertex: u32 },
+    #[error("vertex {vertex} of layer {layer} is not at a finite place")]
+    NotFinite { layer: usize, vertex: u32 },
+    #[error("there is no bundle {bundle}")]
+    NoBundle { bundle: usize },
+}
+
+/// Whether faces that are extruded join the faces of the next layer that are already there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weld {
+    /// Share vertices with neighbours that were extruded before.
+    Neighbours,
+    /// Share vertices only among the faces of this call: a parting opens to the rest.
+    Apart,
+}
+
+/// A vertex that is being extruded from a layer to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extruded {
+    /// The layer it comes from.
+    pub layer: usize,
+    /// Its index there.
+    pub vertex: u32,
+    pub position: Vec3,
+}
+
+/// The guide curves of a hair mesh: chains of vertices from layer to layer, each once however many
+/// faces share it.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Chains {
+    /// Vertex index in each layer, root first; as long as the bundle has layers.
+    pub chains: Vec<Vec<u32>>,
+    /// Per bundle and corner: index into `chains`; empty for a deleted bundle.
+    pub of_bundle: Vec<Vec<u32>>,
+}
+
+impl HairMesh {
+    /// A hair mesh of only a root layer.
+    pub fn from_polygons(positions: Vec<Vec3>, faces: Vec<Vec<u32>>) -> Result<Self, HairMeshError> {
+        let mesh = Self { layers: vec![HairMeshLayer { positions, faces: faces.into_iter().map(Some).collect() }] };
+        mesh.check()?;
+        Ok(mesh)
+    }
+
+    /// Places for bundles, deleted ones included.
+    pub fn n_bundles(&self) -> usize {
+        self.layers.first().map_or(0, |root| root.faces.len())
+    }
+
+    pub fn n_vertices(&self) -> usize {
+        self.layers.iter().map(|layer| layer.positions.len()).sum()
+    }
+
+    pub fn face(&self, layer: usize, bundle: usize) -> Option<&[u32]> {
+        self.layers.get(layer)?.faces.get(bundle)?.as_deref()
+    }
+
+    /// The bundle's topmost layer (n_j of the paper); `None` for a deleted bundle.
+    pub fn tip_layer(&self, bundle: usize) -> Option<usize> {
+        (0..self.layers.len()).take_while(|&layer| self.face(layer, bundle).is_some()).last()
+    }
+
+    /// Positions of a bundle's corner in every layer, root first.
+    pub fn corner_positions(&self, bundle: usize, corner: usize) -> impl Iterator<Item = Vec3> {
+        self.layers.iter().map_while(move |layer| {
+            let face = layer.faces.get(bundle)?.as_deref()?;
+            Some(layer.positions[face[corner] as usize])
+        })
+    }
+
+    /// Smallest box around all vertices as (min, max); `None` where there are none.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let mut all = self.layers.iter().flat_map(|layer| layer.positions.iter().copied());
+        let first = all.next()?;
+        Some(all.fold((first, first), |(lo, hi), p| (lo.min(p), hi.max(p))))
+    }
+
+    /// Check every invariant that the file's head states.
+    pub fn check(&self) -> Result<(), HairMeshError> {
+        let n_bundles = self.n_bundles();
+        for (layer, HairMeshLayer { positions, faces }) in self.layers.iter().enumerate() {
+            if faces.len() != n_bundles {
+                return Err(HairMeshError::BundleCount { layer, found: faces.len(), expected: n_bundles });
+            }
+            if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+                return Err(HairMeshError::NotFinite { layer, vertex: vertex as u32 });
+            }
+            let mut parent = vec![u32::MAX; positions.len()];
+            for (bundle, face) in faces.iter().enumerate().filter_map(|(bundle, face)| Some((bundle, face.as_ref()?))) {
+                if let Some(&vertex) = face.iter().find(|&&v| v as usize >= positions.len()) {
+                    return Err(HairMeshError::Index { layer, bundle, vertex });
+                }
+                let repeats = (1..face.len()).any(|i| face[..i].contains(&face[i]));
+                if face.len() < 3 || repeats {
+                    return Err(HairMeshError::Degenerate { layer, bundle });
+                }
+                if layer == 0 {
+                    continue;
+                }
+                let Some(below) = self.face(layer - 1, bundle) else {
+                    return Err(HairMeshError::Gap { layer, bundle });
+                };
+                if below.len() != face.len() {
+                    let (found, expected) = (face.len(), below.len());
+                    return Err(HairMeshError::CornerCount { layer, bundle, found, expected });
+                }
+                for (&vertex, &on) in face.iter().zip(below) {
+                    let known = &mut parent[vertex as usize];
+                    if *known != u32::MAX && *known != on {
+                        return Err(HairMeshError::ManyToOne { layer, vertex });
+                    }
+                    *known = on;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Extrude the tip faces of `bundles` (paper 3.2, Face Extrude): `place` says where each vertex goes.
+    /// Faces that share a vertex in their tip layer share its copy.
+    pub fn extrude(
+        &mut self,
+        bundles: &[usize],
+        weld: Weld,
+        mut place: impl FnMut(Extruded) -> Vec3,
+    ) -> Result<(), HairMeshError> {
+        use std::collections::HashMap;
+        let n_bundles = self.n_bundles();
+        let mut tips = Vec::with_capacity(bundles.len());
+        for &bundle in bundles {
+            tips.push((bundle, self.tip_layer(bundle).ok_or(HairMeshError::NoBundle { bundle })?));
+        }
+        // (layer below, vertex below) -> vertex above.
+        let mut copy_of: HashMap<(usize, u32), u32> = HashMap::new();
+        if weld == Weld::Neighbours {
+            for layer in 1..self.layers.len() {
+                for bundle in 0..n_bundles {
+                    let Some(face) = self.face(layer, bundle) else { continue };
+                    let Some(below) = self.face(layer - 1, bundle) else { continue };
+                    for (&above, &on) in face.iter().zip(below) {
+                        copy_of.entry((layer - 1, on)).or_insert(above);
+                    }
+                }
+            }
+        }
+        for (bundle, tip) in tips {
+            if self.layers.len() == tip + 1 {
+                self.layers.push(HairMeshLayer { positions: Vec::new(), faces: vec![None; n_bundles] });
+            }
+            let below = self.layers[tip].faces[bundle].clone().unwrap_or_default();
+            let mut face = Vec::with_capacity(below.len());
+            for vertex in below {
+                let above = *copy_of.entry((tip, vertex)).or_insert_with(|| {
+                    let position = self.layers[tip].positions[vertex as usize];
+                    let next = &mut self.layers[tip + 1].positions;
+                    next.push(place(Extruded { layer: tip, vertex, position }));
+                    next.len() as u32 - 1
+                });
+                face.push(above);
+            }
+            self.layers[tip + 1].faces[bundle] = Some(face);
+        }
+        Ok(())
+    }
+
+    /// Delete the bundle's tip face (paper 3.2, Face Delete). At the root it deletes the bundle: its
+    /// index stays, without a face.
+    pub fn delete_tip(&mut self, bundle: usize) -> Result<(), HairMeshError> {
+        let tip = self.tip_layer(bundle).ok_or(HairMeshError::NoBundle { bundle })?;
+        self.layers[tip].faces[bundle] = None;
+        self.layers[tip].drop_unused();
+        while self.layers.len() > 1 && self.layers.last().is_some_and(|layer| layer.faces.iter().all(Option::is_none)) {
+            self.layers.pop();
+        }
+        Ok(())
+    }
+
+    /// Move vertices of one layer: `place` gets index and position.
+    pub fn move_vertices(&mut self, layer: usize, mut place: impl FnMut(u32, Vec3) -> Vec3) {
+        for (vertex, position) in self.layers[layer].positions.iter_mut().enumerate() {
+            *position = place(vertex as u32, *position);
+        }
+    }
+
+    /// The chains of vertices at the corners of all bundles. Neighbours share a chain where they share
+    /// all its vertices.
+    pub fn chains(&self) -> Chains {
+        use std::collections::HashMap;
+        let mut result = Chains::default();
+        let mut index_of: HashMap<Vec<u32>, u32> = HashMap::new();
+        for bundle in 0..self.n_bundles() {
+            let n_corners = self.face(0, bundle).map_or(0, <[u32]>::len);
+            let corners = (0..n_corners).map(|corner| {
+                let chain: Vec<u32> =
+                    (0..self.layers.len()).map_while(|layer| Some(self.face(layer, bundle)?[corner])).collect();
+                *index_of.entry(chain).or_insert_with_key(|chain| {
+                    result.chains.push(chain.clone());
+                    result.chains.len() as u32 - 1
+                })
+            });
+            let corners: Vec<u32> = corners.collect();
+            result.of_bundle.push(corners);
+        }
+        result
+    }
+}
+
+impl HairMeshLayer {
+    /// Drop the vertices that no face uses.
+    fn drop_unused(&mut self) {
+        let mut used = vec![false; self.positions.len()];
+        self.faces.iter().flatten().flatten().for_each(|&v| used[v as usize] = true);
+        let mut new_index = Vec::with_capacity(used.len());
+        let mut n_kept = 0;
+        for &used in &used {
+            new_index.push(n_kept);
+            n_kept += u32::from(used);
+        }
+        let mut old_idx = 0;
+        self.positions.retain(|_| {
+            old_idx += 1;
+            used[old_idx - 1]
+        });
+        self.faces.iter_mut().flatten().flatten().for_each(|v| *v = new_index[*v as usize]);
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A grid of `n` x `n` unit quads at y = 0, with `n_layers` more straight above, one apart.
+    pub(crate) fn straight_grid(n: u32, n_layers: usize) -> HairMesh {
+        let side = n + 1;
+        let positions = (0..side * side).map(|i| Vec3::new((i % side) as f32, 0.0, (i / side) as f32)).collect();
+        let faces = (0..n * n)
+            .map(|i| i % n + side * (i / n))
+            .map(|corner| vec![corner, corner + side, corner + side + 1, corner + 1])
+            .collect();
+        let mut mesh = HairMesh::from_polygons(positions, faces).unwrap();
+        let all: Vec<usize> = (0..mesh.n_bundles()).collect();
+        for _ in 0..n_layers {
+            mesh.extrude(&all, Weld::Neighbours, |v| v.position + Vec3::Y).unwrap();
+        }
+        mesh
+    }
+
+    #[test]
+    fn extruding_keeps_the_invariants_and_shares_chains() {
+        let mesh = straight_grid(3, 4);
+        mesh.check().unwrap();
+        assert_eq!((mesh.layers.len(), mesh.n_vertices()), (5, 16 * 5));
+        let chains = mesh.chains();
+        assert_eq!((chains.chains.len(), chains.of_bundle.len()), (16, 9));
+        assert!(chains.chains.iter().all(|chain| chain.len() == 5));
+    }
+
+    #[test]
+    fn extruding_apart_opens_a_parting() {
+        let mut mesh = straight_grid(2, 0);
+        mesh.extrude(&[0, 2], Weld::Neighbours, |v| v.position + Vec3::NEG_X).unwrap();
+        mesh.extrude(&[1, 3], Weld::Apart, |v| v.position + Vec3::X).unwrap();
+        mesh.check().unwrap();
+        assert_eq!(mesh.layers[1].positions.len(), 12);
+        // The three vertices of the parting carry two chains each.
+        assert_eq!(mesh.chains().chains.len(), 12);
+    }
+
+    #[test]
+    fn deleting_a_tip_shortens_its_bundle_and_the_root_ends_it() {
+        let mut mesh = straight_grid(2, 2);
+        mesh.delete_tip(0).unwrap();
+        mesh.check().unwrap();
+        assert_eq!((mesh.tip_layer(0), mesh.tip_layer(1)), (Some(1), Some(2)));
+        assert_eq!(mesh.layers[2].positions.len(), 8);
+        mesh.delete_tip(0).unwrap();
+        mesh.delete_tip(0).unwrap();
+        mesh.check().unwrap();
+        assert_eq!((mesh.tip_layer(0), mesh.n_bundles()), (None, 4));
+        assert_eq!(mesh.delete_tip(0), Err(HairMeshError::NoBundle { bundle: 0 }));
+        mesh.extrude(&[1], Weld::Neighbours, |v| v.position + Vec3::Y).unwrap();
+        mesh.check().unwrap();
+        assert_eq!(mesh.tip_layer(1), Some(3));
+    }
+
+    #[test]
+    fn check_finds_each_broken_invariant() {
+        let good = straight_grid(2, 1);
+        let broken = |change: fn(&mut HairMesh)| {
+            let mut mesh = good.clone();
+            change(&mut mesh);
+            mesh.check().unwrap_err()
+        };
+        use HairMeshError as E;
+        assert!(matches!(broken(|m| drop(m.layers[1].faces.pop())), E::BundleCount { layer: 1, .. }));
+        assert!(matches!(broken(|m| m.layers[0].faces[2] = None), E::Gap { bundle: 2, .. }));
+        assert!(matches!(broken(|m| m.layers[1].faces[0] = Some(vec![0, 1, 2])), E::CornerCount { .. }));
+        assert!(matches!(broken(|m| m.layers[0].faces[0] = Some(vec![0, 1, 1, 2])), E::Degenerate { .. }));
+        assert!(matches!(broken(|m| m.layers[1].faces[0] = Some(vec![0, 1, 2, 99])), E::Index { vertex: 99, .. }));
+        assert!(matches!(broken(|m| m.layers[1].faces.swap(0, 3)), E::ManyToOne { layer: 1, .. }));
+        assert!(matches!(broken(|m| m.layers[1].positions[3].y = f32::NAN), E::NotFinite { vertex: 3, .. }));
+    }
 }

@@ -12,6 +12,7 @@ pub mod hair_mesh;
 pub mod history;
 pub mod light;
 pub mod look;
+pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;
 pub mod simulation;

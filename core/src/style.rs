@@ -30,7 +30,7 @@ pub struct StyleOp {
 
 impl Default for StyleOp {
     fn default() -> Self {
-        Self::new(StyleKind::ALL[0])
+        Self::new(StyleKind::DEFAULTS[0])
     }
 }
 
@@ -59,20 +59,9 @@ pub enum StyleKind {
     Deviate { share: f32, amplitude: f32, lift: f32 },
 }
 
-/// One number of an operator, for panels.
-#[derive(Debug)]
-pub struct StyleParam<'a> {
-    pub label: &'static str,
-    pub unit: &'static str,
-    pub min: f32,
-    pub max: f32,
-    pub help: &'static str,
-    pub value: &'a mut f32,
-}
-
 impl StyleKind {
-    /// Every kind with values to begin from.
-    pub const ALL: &'static [Self] = &[
+    /// One of each, with parameters that show what it does.
+    pub const DEFAULTS: [Self; 6] = [
         Self::Clump { strands_per_clump: 40.0, flare: 0.2, stray: 0.3 },
         Self::Length { variation: 0.15, strands_per_clump: 1.0 },
         Self::Wave { amplitude: 0.5, wavelength: 6.0, strands_per_clump: 800.0 },
@@ -81,7 +70,7 @@ impl StyleKind {
         Self::Deviate { share: 0.02, amplitude: 2.0, lift: 0.5 },
     ];
 
-    pub fn label(self) -> &'static str {
+    pub fn label(&self) -> &'static str {
         match self {
             Self::Length { .. } => "Length",
             Self::Clump { .. } => "Clump",
@@ -92,7 +81,7 @@ impl StyleKind {
         }
     }
 
-    pub fn help(self) -> &'static str {
+    pub fn help(&self) -> &'static str {
         match self {
             Self::Length { .. } => "Shorten strands by a random share of their length",
             Self::Clump { .. } => "Gather strands around the middle one of their clump",
@@ -114,49 +103,6 @@ impl StyleKind {
             Self::Deviate { .. } => 1.0,
         }
     }
-
-    /// The operator's own numbers with their ranges.
-    #[rustfmt::skip]
-    pub fn params(&mut self) -> Vec<StyleParam<'_>> {
-        fn number<'a>(label: &'static str, unit: &'static str, (min, max): (f32, f32), value: &'a mut f32, help: &'static str) -> StyleParam<'a> {
-            StyleParam { label, unit, min, max, help, value }
-        }
-        fn clump(value: &mut f32) -> StyleParam<'_> {
-            number("Strands a clump", "", (1.0, 20_000.0), value, "How many strands share the operator's random numbers")
-        }
-        match self {
-            Self::Length { variation, strands_per_clump } => vec![
-                number("Variation", "", (0.0, 1.0), variation, "Largest share of the length that is cut"),
-                clump(strands_per_clump),
-            ],
-            Self::Clump { strands_per_clump, flare, stray } => vec![
-                clump(strands_per_clump),
-                number("Flare", "", (0.0, 1.0), flare, "Share of the pull that is gone again at the tip"),
-                number("Stray", "", (0.0, 1.0), stray, "How much less some strands and some clumps follow"),
-            ],
-            Self::Wave { amplitude, wavelength, strands_per_clump } => vec![
-                number("Amplitude", "cm", (0.0, 5.0), amplitude, "Height of a wave over the path"),
-                number("Wavelength", "cm", (0.2, 40.0), wavelength, "From crest to crest"),
-                clump(strands_per_clump),
-            ],
-            Self::Curl { radius, pitch, strands_per_clump, loosen } => vec![
-                number("Radius", "cm", (0.0, 5.0), radius, "Of the helix"),
-                number("Pitch", "cm", (0.2, 20.0), pitch, "From turn to turn"),
-                clump(strands_per_clump),
-                number("Loosen", "", (0.0, 1.0), loosen, "How much wider and longer a turn is at the tip"),
-            ],
-            Self::Frizz { amplitude, wavelength, strands_per_clump } => vec![
-                number("Amplitude", "cm", (0.0, 5.0), amplitude, "Distance from rest"),
-                number("Wavelength", "cm", (0.1, 40.0), wavelength, "One feature every so far"),
-                clump(strands_per_clump),
-            ],
-            Self::Deviate { share, amplitude, lift } => vec![
-                number("Share", "", (0.0, 1.0), share, "Of all strands"),
-                number("Amplitude", "cm", (0.0, 10.0), amplitude, "Largest distance at the tip"),
-                number("Lift", "", (-1.0, 1.0), lift, "0 to any side, 1 away from the head"),
-            ],
-        }
-    }
 }
 
 impl StyleOp {
@@ -168,6 +114,54 @@ impl StyleOp {
             StyleKind::Length { .. } | StyleKind::Curl { .. } => 0.0,
         };
         Self { on: true, strength: 1.0, from: 0.0, ramp, seed: 0, kind }
+    }
+
+    /// Every number of the operator with its range and unit, for panels.
+    #[rustfmt::skip]
+    pub fn params(&mut self) -> Vec<Param<'_>> {
+        fn number<'a>(key: &str, label: &'static str, unit: &'static str, (min, max): (f32, f32), value: &'a mut f32, help: &'static str) -> Param<'a> {
+            Param { key: format!("style.{key}"), label, unit, min, max, of: &[], help, value: ParamValue::F32(value) }
+        }
+        fn clump(value: &mut f32) -> Param<'_> {
+            number("clump", "Strands a clump", "", (1.0, 20_000.0), value, "How many strands share the operator's random numbers")
+        }
+        let mut params = vec![number("strength", "Strength", "", (0.0, 1.0), &mut self.strength, "0 leaves the strands as they were")];
+        params.extend(match &mut self.kind {
+            StyleKind::Length { variation, strands_per_clump } => vec![
+                number("variation", "Variation", "", (0.0, 1.0), variation, "Share of its length that a strand may lose"),
+                clump(strands_per_clump),
+            ],
+            StyleKind::Clump { strands_per_clump, flare, stray } => vec![
+                clump(strands_per_clump),
+                number("flare", "Flare", "", (0.0, 1.0), flare, "Share of the pull that is gone again at the tip"),
+                number("stray", "Stray", "", (0.0, 1.0), stray, "How much less some strands and some clumps follow"),
+            ],
+            StyleKind::Wave { amplitude, wavelength, strands_per_clump } => vec![
+                number("amplitude", "Amplitude", "cm", (0.0, 5.0), amplitude, "From the strand's path to the crest"),
+                number("wavelength", "Wavelength", "cm", (0.2, 40.0), wavelength, "From crest to crest"),
+                clump(strands_per_clump),
+            ],
+            StyleKind::Curl { radius, pitch, strands_per_clump, loosen } => vec![
+                number("radius", "Radius", "cm", (0.0, 5.0), radius, "Of the helix"),
+                number("pitch", "Pitch", "cm", (0.2, 20.0), pitch, "Length of one turn"),
+                clump(strands_per_clump),
+                number("loosen", "Loosen", "", (0.0, 1.0), loosen, "How much wider and longer a turn is at the tip"),
+            ],
+            StyleKind::Frizz { amplitude, wavelength, strands_per_clump } => vec![
+                number("amplitude", "Amplitude", "cm", (0.0, 5.0), amplitude, "From the strand's path"),
+                number("wavelength", "Feature size", "cm", (0.1, 40.0), wavelength, "Small is fuzzy, large is unruly"),
+                clump(strands_per_clump),
+            ],
+            StyleKind::Deviate { share, amplitude, lift } => vec![
+                number("share", "Share", "of the strands", (0.0, 1.0), share, "How many strands leave the others"),
+                number("amplitude", "Amplitude", "cm", (0.0, 10.0), amplitude, "How far at the tip"),
+                number("lift", "Lift", "", (-1.0, 1.0), lift, "0 to any side, 1 away from the head"),
+            ],
+        });
+        params.push(number("from", "From", "root to tip", (0.0, 1.0), &mut self.from, "Where along the strand it begins"));
+        params.push(number("ramp", "Ramp", "", (0.0, 8.0), &mut self.ramp, "0 at once; 1 steadily; more: only at the tip"));
+        params.push(Param { key: "style.seed".to_owned(), label: "Seed", unit: "", min: 0.0, max: 9999.0, of: &[], help: "Another throw of the dice", value: ParamValue::U32(&mut self.seed) });
+        params
     }
 
     /// The operator's effect at parameter `t` of the strand, 0 root to 1 tip.
@@ -203,81 +197,12 @@ mod tests {
 
     #[test]
     fn every_kind_begins_within_its_ranges() {
-        for kind in StyleKind::ALL {
-            let mut kind = *kind;
+        for kind in StyleKind::DEFAULTS {
             assert!(!kind.label().is_empty() && !kind.help().is_empty());
-            for param in kind.params() {
-                assert!((param.min..=param.max).contains(param.value), "{}", param.label);
+            for param in StyleOp::new(kind).params() {
+                let value: f32 = param.value.to_text().parse().unwrap();
+                assert!((param.min..=param.max).contains(&value), "{}", param.label);
             }
         }
-    }
-}
-
-impl StyleKind {
-    /// One of each, with parameters that show what it does.
-    pub const DEFAULTS: [Self; 6] = [
-        Self::Length { variation: 0.2 },
-        Self::Clump { strands_per_clump: 60.0 },
-        Self::Wave { amplitude: 0.4, wavelength: 4.0, strands_per_clump: 200.0 },
-        Self::Curl { radius: 0.4, pitch: 2.0, strands_per_clump: 40.0 },
-        Self::Frizz { amplitude: 0.1, wavelength: 1.5 },
-        Self::Deviate { share: 0.1, amplitude: 1.0 },
-    ];
-
-    pub fn label(&self) -> &'static str {
-        match self {
-            Self::Length { .. } => "Length",
-            Self::Clump { .. } => "Clump",
-            Self::Wave { .. } => "Wave",
-            Self::Curl { .. } => "Curl",
-            Self::Frizz { .. } => "Frizz",
-            Self::Deviate { .. } => "Deviate",
-        }
-    }
-}
-
-impl StyleOp {
-    /// An operator over the whole strand that grows towards the tip.
-    pub fn new(kind: StyleKind) -> Self {
-        Self { on: true, strength: 1.0, from: 0.0, ramp: 1.0, seed: 0, kind }
-    }
-
-    /// Every number of the operator with its range and unit, for panels.
-    #[rustfmt::skip]
-    pub fn params(&mut self) -> Vec<Param<'_>> {
-        fn number<'a>(key: &str, label: &'static str, unit: &'static str, (min, max): (f32, f32), value: &'a mut f32, help: &'static str) -> Param<'a> {
-            Param { key: format!("style.{key}"), label, unit, min, max, of: &[], help, value: ParamValue::F32(value) }
-        }
-        let mut params = vec![number("strength", "Strength", "", (0.0, 1.0), &mut self.strength, "0 leaves the strands as they were")];
-        match &mut self.kind {
-            StyleKind::Length { variation } => {
-                params.push(number("variation", "Variation", "", (0.0, 1.0), variation, "Share of its length that a strand may lose"));
-            }
-            StyleKind::Clump { strands_per_clump } => {
-                params.push(number("clump", "Strands a clump", "", (2.0, 5000.0), strands_per_clump, "How many strands gather"));
-            }
-            StyleKind::Wave { amplitude, wavelength, strands_per_clump } => {
-                params.push(number("amplitude", "Amplitude", "cm", (0.0, 5.0), amplitude, "From the strand to the crest"));
-                params.push(number("wavelength", "Wavelength", "cm", (0.2, 30.0), wavelength, "From crest to crest"));
-                params.push(number("clump", "Strands in phase", "", (1.0, 5000.0), strands_per_clump, "How many strands wave together"));
-            }
-            StyleKind::Curl { radius, pitch, strands_per_clump } => {
-                params.push(number("radius", "Radius", "cm", (0.0, 5.0), radius, "Of the helix"));
-                params.push(number("pitch", "Pitch", "cm", (0.1, 30.0), pitch, "Length of one turn"));
-                params.push(number("clump", "Strands in phase", "", (1.0, 5000.0), strands_per_clump, "How many strands curl together"));
-            }
-            StyleKind::Frizz { amplitude, wavelength } => {
-                params.push(number("amplitude", "Amplitude", "cm", (0.0, 3.0), amplitude, "From where the strand was"));
-                params.push(number("wavelength", "Feature size", "cm", (0.1, 10.0), wavelength, "Small is fuzzy, large is unruly"));
-            }
-            StyleKind::Deviate { share, amplitude } => {
-                params.push(number("share", "Share", "of the strands", (0.0, 1.0), share, "How many strands leave the others"));
-                params.push(number("amplitude", "Amplitude", "cm", (0.0, 10.0), amplitude, "How far at the tip"));
-            }
-        }
-        params.push(number("from", "From", "root to tip", (0.0, 1.0), &mut self.from, "Where along the strand it begins"));
-        params.push(number("ramp", "Ramp", "", (0.0, 8.0), &mut self.ramp, "0 at once; 1 steadily; more: only at the tip"));
-        params.push(Param { key: "style.seed".to_owned(), label: "Seed", unit: "", min: 0.0, max: 9999.0, of: &[], help: "Another throw of the dice", value: ParamValue::U32(&mut self.seed) });
-        params
     }
 }
