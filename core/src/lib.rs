@@ -15,6 +15,7 @@ pub mod look;
 pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;
+pub mod motion;
 pub mod simulation;
 pub mod strands;
 pub mod style;

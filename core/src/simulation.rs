@@ -1,7 +1,12 @@
 //! What an artist sets about movement. The solver's state is derived from the groom and never saved.
+//!
+//! Every number is a physical one, so that the same groom moves the same at other vertex counts, step
+//! rates and iteration counts. Shares "0-1 of something, per iteration" were rejected for that reason.
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use crate::camera::direction_from_deg;
 use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices};
 
 choices! {
@@ -22,12 +27,15 @@ pub struct SimulationSettings {
     pub n_iterations: u32,
     /// cm/s2, downwards.
     pub gravity: f32,
-    /// Share of the velocity lost in a second, 0-1.
+    /// How quickly strands lose speed relative to the head by rubbing on each other, 1/s.
     pub damping: f32,
-    /// Pull of the bend and local-shape constraints towards the rest shape, 0-1.
-    pub stiffness: f32,
-    /// Extra pull towards the rest pose at the root, fading to the tip, 0-1.
-    pub root_stiffness: f32,
+    /// Bending stiffness as a length in centimetres: about how far a lock reaches out sideways before its
+    /// own weight bends it down. 5 is a single human hair.
+    pub bend_length: f32,
+    /// How fast a displaced root springs back to the style, Hz: what spray, clips and neighbours do.
+    pub hold: f32,
+    /// Distance along the strand over which the hold falls to 1/e, centimetres.
+    pub hold_length: f32,
     /// Steady wind: where it blows to, degrees, as a camera azimuth; and elevation.
     pub wind_azimuth_deg: f32,
     pub wind_elevation_deg: f32,
@@ -47,24 +55,30 @@ impl Default for SimulationSettings {
     fn default() -> Self {
         Self {
             solver: Solver::Guides,
-            steps_per_second: 120.0,
-            n_iterations: 8,
+            steps_per_second: 240.0,
+            n_iterations: 2,
             gravity: 981.0,
-            damping: 0.9,
-            stiffness: 0.35,
-            root_stiffness: 0.6,
+            damping: 2.0,
+            bend_length: 3.0,
+            hold: 3.0,
+            hold_length: 4.0,
             wind_azimuth_deg: 90.0,
             wind_elevation_deg: 0.0,
             wind_speed: 0.0,
-            drag: 1.5,
+            drag: 1.0,
             collision_margin: 0.15,
-            friction: 0.25,
+            friction: 0.2,
             spheres: Vec::new(),
         }
     }
 }
 
 impl SimulationSettings {
+    /// Velocity of the air, cm/s.
+    pub fn wind(&self) -> Vec3 {
+        self.wind_speed * direction_from_deg(self.wind_azimuth_deg, self.wind_elevation_deg)
+    }
+
     /// All settings as a slot, for the panel, `--set` and `lorelei looks`.
     #[rustfmt::skip]
     pub fn slot(&mut self) -> Slot<'_> {
@@ -73,17 +87,40 @@ impl SimulationSettings {
         }
         Slot { key: "sim", label: "Simulation", help: "How the hair moves", choice: &mut self.solver, params: vec![
             number("gravity", "Gravity", "cm/s\u{b2}", (0.0, 4000.0), &mut self.gravity, "981 on Earth"),
-            number("damping", "Damping", "of 1, per s", (0.0, 1.0), &mut self.damping, "Share of the speed that is lost in a second"),
-            number("stiffness", "Stiffness", "", (0.0, 1.0), &mut self.stiffness, "Pull of every piece towards the shape it rests in"),
-            number("root_stiffness", "Root stiffness", "", (0.0, 1.0), &mut self.root_stiffness, "Extra pull at the root, fading to the tip"),
+            number("damping", "Damping", "1/s", (0.0, 20.0), &mut self.damping, "How quickly hair comes to rest on the head"),
+            number("bend_length", "Stiffness", "cm", (0.0, 30.0), &mut self.bend_length, "How far a lock reaches out before its weight bends it: 1 limp, 5 a single hair, 20 bristle"),
+            number("hold", "Hold", "Hz", (0.0, 30.0), &mut self.hold, "How fast the roots spring back to the style: 0 loose, 3 natural, 15 sprayed"),
+            number("hold_length", "Hold reaches", "cm", (0.1, 60.0), &mut self.hold_length, "Distance from the root over which the hold fades"),
             number("wind_speed", "Wind", "cm/s", (0.0, 3000.0), &mut self.wind_speed, "0 calm, 300 a breeze, 1500 a storm"),
             number("wind_azimuth", "Wind azimuth", "deg", (-360.0, 360.0), &mut self.wind_azimuth_deg, "Where the wind blows to: 0 to the front, 90 to the model's left"),
             number("wind_elevation", "Wind elevation", "deg", (-90.0, 90.0), &mut self.wind_elevation_deg, "Above the horizon"),
             number("drag", "Drag", "1/s", (0.0, 20.0), &mut self.drag, "How quickly hair takes up the speed of the air"),
             number("margin", "Distance to the head", "cm", (0.0, 2.0), &mut self.collision_margin, "Kept between hair and head"),
             number("friction", "Friction", "", (0.0, 2.0), &mut self.friction, "Against the head"),
-            number("steps", "Steps", "1/s", (30.0, 480.0), &mut self.steps_per_second, "Solver steps a second, whatever the frame rate"),
-            Param { key: "sim.iterations".to_owned(), label: "Iterations", unit: "", min: 1.0, max: 64.0, of: &[], help: "Constraint iterations a step", value: ParamValue::U32(&mut self.n_iterations) },
+            number("steps", "Steps", "1/s", (30.0, 960.0), &mut self.steps_per_second, "Solver steps a second, whatever the frame rate"),
+            Param { key: "sim.iterations".to_owned(), label: "Iterations", unit: "", min: 1.0, max: 32.0, of: &[], help: "Constraint iterations a step", value: ParamValue::U32(&mut self.n_iterations) },
         ] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_in_the_range_of_its_parameter() {
+        let mut settings = SimulationSettings::default();
+        let mut keys = std::collections::HashSet::new();
+        for mut param in settings.slot().params {
+            assert!(param.key.starts_with("sim.") && keys.insert(param.key.clone()), "{}", param.key);
+            let text = param.value.to_text();
+            param.set_from_text(&text).unwrap();
+        }
+    }
+
+    #[test]
+    fn wind_blows_where_its_azimuth_points() {
+        let settings = SimulationSettings { wind_speed: 200.0, wind_azimuth_deg: 90.0, ..Default::default() };
+        assert!(settings.wind().distance(Vec3::X * 200.0) < 1e-3);
     }
 }
