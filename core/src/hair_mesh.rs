@@ -274,6 +274,7 @@ impl HairMeshLayer {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use super::HairMeshError as E;
     use super::*;
 
     /// A grid of `n` x `n` unit quads at y = 0, with `n_layers` more straight above, one apart.
@@ -338,7 +339,6 @@ pub(crate) mod tests {
             change(&mut mesh);
             mesh.check().unwrap_err()
         };
-        use HairMeshError as E;
         assert!(matches!(broken(|m| drop(m.layers[1].faces.pop())), E::BundleCount { layer: 1, .. }));
         assert!(matches!(broken(|m| m.layers[0].faces[2] = None), E::Gap { bundle: 2, .. }));
         assert!(matches!(broken(|m| m.layers[1].faces[0] = Some(vec![0, 1, 2])), E::CornerCount { .. }));

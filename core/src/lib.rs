@@ -3,12 +3,17 @@
 //! Units: centimetres, grams, seconds; right-handed, Y up, Z towards the viewer. Angles are radians
 //! unless a name ends in `_deg`. Radii that a person edits are micrometres (`_um`).
 
+pub mod binding;
 pub mod camera;
+pub mod clumps;
+pub mod curve;
 pub mod distance_field;
 pub mod edit;
+pub mod generate;
 pub mod groom;
 pub mod guides;
 pub mod hair_mesh;
+pub mod hash;
 pub mod history;
 pub mod light;
 pub mod look;
@@ -16,6 +21,8 @@ pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;
 pub mod motion;
+pub mod point_grid;
+pub mod roots;
 pub mod simulation;
 pub mod strands;
 pub mod style;

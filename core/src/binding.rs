@@ -1,0 +1,462 @@
+//! What a layer's strands hang on: guides, each strand's root, its weights and its clumps, all at rest.
+//!
+//! Everything here changes only when the groom is edited. Per frame only the guides move, and generation
+//! (`generate.rs`, `generate.wgsl`) reads both. Strands are in their order of detail: the first n strands
+//! of a layer are a good n strands.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::clumps::{Clumps, Path};
+use crate::groom::{Head, Layer, ScalpMap, Source};
+use crate::guides::{GuideSet, Influence};
+use crate::hair_mesh::HairMesh;
+use crate::hash::combine;
+use crate::mean_value::mean_value_weights;
+use crate::mesh::{SCALP_GROUP, TriMesh};
+use crate::mesh_query::MeshQuery;
+use crate::point_grid::PointGrid;
+use crate::roots::{Root, RootSurface, select};
+use crate::strands::Strands;
+use crate::style::StyleOp;
+
+/// A layer's strands as shares in guides. All arrays per strand are `n_strands()` long.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LayerBinding {
+    pub guides: GuideSet,
+    /// Strand `s` has `influences[influence_offsets[s]..influence_offsets[s + 1]]`.
+    pub influence_offsets: Vec<u32>,
+    pub influences: Vec<Influence>,
+    /// Stable ids: they stay with their strands when density or count change.
+    pub ids: Vec<u32>,
+    /// Hash of id and layer seed: where all of a strand's random numbers come from.
+    pub seeds: Vec<u32>,
+    /// On the scalp, head space, centimetres.
+    pub roots: Vec<Vec3>,
+    /// Unit vectors out of the scalp.
+    pub root_normals: Vec<Vec3>,
+    /// Texture coordinates on the scalp; empty where the head has none.
+    pub root_uvs: Vec<[f32; 2]>,
+    /// From where the guides put the root to where it is: chords of a hair mesh's faces lie under the
+    /// scalp, guides beside their strands.
+    pub root_offsets: Vec<Vec3>,
+    /// Share of the root's offset that is left at the tip: 0 in a hair mesh, 1 beside guides.
+    pub offset_at_tip: f32,
+    /// Radius of each strand as a share of the layer's; empty is 1.
+    pub radius_scales: Vec<f32>,
+    pub clumps: Clumps,
+}
+
+/// Root layers farther from the head than this were not meant to lie on it, in centimetres.
+const FARTHEST_ROOT: f32 = 2.0;
+/// Most places of a sequence that are looked at for painted density, for each strand wanted.
+const MOST_PLACES_A_STRAND: usize = 16;
+/// Guides whose paths differ by more than this (cosine) are on two sides of a parting.
+const PARTED: f32 = 0.3;
+
+/// Bind a layer's strands to its guides. `head` gives roots their exact place, normal and texture
+/// coordinates, where it is near.
+pub fn bind_layer(layer: &Layer, head: Option<&Head>) -> LayerBinding {
+    let scalp = head.and_then(|head| Scalp::new(&head.mesh));
+    let mut binding = match &layer.source {
+        Source::HairMesh(mesh) => bind_hair_mesh(layer, mesh, scalp.as_ref()),
+        Source::Guides(guides) => bind_guides(layer, guides, scalp.as_ref()),
+        Source::Strands(strands) => bind_strands(layer, strands, scalp.as_ref()),
+    };
+    binding.restyle(&layer.style);
+    binding
+}
+
+impl LayerBinding {
+    pub fn n_strands(&self) -> usize {
+        self.ids.len()
+    }
+
+    pub fn influences(&self, strand_idx: usize) -> &[Influence] {
+        &self.influences[self.influence_offsets[strand_idx] as usize..self.influence_offsets[strand_idx + 1] as usize]
+    }
+
+    /// Find the clumps again for another style stack; nothing else depends on it.
+    pub fn restyle(&mut self, style: &[StyleOp]) {
+        if Clumps::sizes_of(style) == self.clumps.sizes
+            && self.clumps.middles.len() == self.n_strands() * self.clumps.sizes.len()
+        {
+            return;
+        }
+        let n_vertices = self.guides.n_vertices as usize;
+        let at = |strand_idx: usize, vertex: usize| -> Vec3 {
+            self.influences(strand_idx)
+                .iter()
+                .map(|i| i.weight * self.guides.positions[i.guide_idx as usize * n_vertices + vertex])
+                .sum()
+        };
+        let paths: Vec<Path> = (0..self.n_strands())
+            .into_par_iter()
+            .map(|strand_idx| {
+                let root = at(strand_idx, 0);
+                Path {
+                    root: self.roots[strand_idx],
+                    to_middle: at(strand_idx, (n_vertices - 1) * 2 / 5) - root,
+                    to_tip: at(strand_idx, n_vertices - 1) - root,
+                }
+            })
+            .collect();
+        self.clumps = Clumps::of_style(style, &paths);
+    }
+
+    /// Bytes held by the arrays.
+    pub fn n_bytes(&self) -> usize {
+        self.guides.n_bytes()
+            + size_of_val(self.influence_offsets.as_slice())
+            + size_of_val(self.influences.as_slice())
+            + self.n_strands() * (2 * 4 + 3 * 12)
+            + size_of_val(self.root_uvs.as_slice())
+            + size_of_val(self.radius_scales.as_slice())
+            + size_of_val(self.clumps.middles.as_slice())
+    }
+
+    fn with_capacity(guides: GuideSet, n_strands: usize) -> Self {
+        Self {
+            guides,
+            influence_offsets: Vec::from([0]),
+            influences: Vec::with_capacity(4 * n_strands),
+            ids: Vec::with_capacity(n_strands),
+            seeds: Vec::with_capacity(n_strands),
+            ..Self::default()
+        }
+    }
+
+    /// Append a strand's weights; those without effect are left out.
+    fn push_influences(&mut self, influences: impl IntoIterator<Item = Influence>) {
+        self.influences.extend(influences.into_iter().filter(|i| i.weight.abs() > 1e-6));
+        self.influence_offsets.push(self.influences.len() as u32);
+    }
+
+    fn push_id(&mut self, id: u32, layer: &Layer) {
+        self.ids.push(id);
+        self.seeds.push(combine(id, layer.seed));
+    }
+
+    fn push_place(&mut self, place: &Place, scalp: Option<&Scalp<'_>>) {
+        self.roots.push(place.position);
+        self.root_normals.push(place.normal);
+        if scalp.is_some_and(Scalp::has_uvs) {
+            self.root_uvs.push(place.uv);
+        }
+    }
+
+    /// Compute each root's offset from where its guides begin.
+    fn measure_offsets(&mut self) {
+        let n_vertices = self.guides.n_vertices as usize;
+        self.root_offsets = (0..self.n_strands())
+            .map(|strand_idx| {
+                let of_guides: Vec3 = self
+                    .influences(strand_idx)
+                    .iter()
+                    .map(|i| i.weight * self.guides.positions[i.guide_idx as usize * n_vertices])
+                    .sum();
+                self.roots[strand_idx] - of_guides
+            })
+            .collect();
+    }
+}
+
+/// A root's place on the scalp.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    position: Vec3,
+    normal: Vec3,
+    uv: [f32; 2],
+}
+
+/// The triangles that grow hair: the scalp group, or all.
+struct Scalp<'a> {
+    mesh: &'a TriMesh,
+    triangles: Vec<u32>,
+    query: MeshQuery,
+    normals: Vec<Vec3>,
+}
+
+impl<'a> Scalp<'a> {
+    fn new(mesh: &'a TriMesh) -> Option<Self> {
+        let triangles = match mesh.group(SCALP_GROUP) {
+            Some(group) if !group.triangles.is_empty() => group.triangles.clone(),
+            Some(_) | None => (0..mesh.triangles.len() as u32).collect(),
+        };
+        let query = MeshQuery::of_triangles(mesh, triangles.iter().copied()).ok()?;
+        let normals = if mesh.normals.len() == mesh.positions.len() {
+            mesh.normals.clone()
+        } else {
+            let mut with_normals = mesh.clone();
+            with_normals.compute_normals();
+            with_normals.normals
+        };
+        Some(Self { mesh, triangles, query, normals })
+    }
+
+    fn has_uvs(&self) -> bool {
+        !self.mesh.uvs.is_empty() && self.mesh.uvs.len() == self.mesh.positions.len()
+    }
+
+    fn at(&self, triangle_idx: u32, barycentric: [f32; 3], position: Vec3) -> Place {
+        let vertices = self.mesh.triangles[triangle_idx as usize].map(|v| v as usize);
+        let mut place = Place { position, normal: Vec3::ZERO, uv: [0.0; 2] };
+        for (v, w) in vertices.into_iter().zip(barycentric) {
+            place.normal += w * self.normals[v];
+            if self.has_uvs() {
+                place.uv[0] += w * self.mesh.uvs[v][0];
+                place.uv[1] += w * self.mesh.uvs[v][1];
+            }
+        }
+        place.normal = place.normal.normalize_or(Vec3::Y);
+        place
+    }
+
+    /// The nearest place on the scalp, where one is near enough.
+    fn project(&self, p: Vec3) -> Option<Place> {
+        let hit = self.query.closest_within(p, FARTHEST_ROOT)?;
+        Some(self.at(hit.triangle_idx, hit.barycentric.to_array(), hit.position))
+    }
+}
+
+/// The roots of `n` strands as (id, root, place), thinned by painted density.
+fn scatter(
+    surface: &RootSurface,
+    n: usize,
+    seed: u32,
+    density: Option<&ScalpMap>,
+    place: impl Fn(&Root) -> Option<Place> + Sync,
+) -> Vec<(u32, Root, Place)> {
+    let alive = |place: &Option<Place>| -> f32 {
+        place.as_ref().map_or(0.0, |place| density.map_or(1.0, |map| map.sample(place.uv)))
+    };
+    // How many places are alive tells how many are needed.
+    let probe = surface.sequence(n.min(1024), seed);
+    let probe: Vec<f32> = probe.par_iter().map(|root| alive(&place(root))).collect();
+    let mean = probe.iter().sum::<f32>() / probe.len().max(1) as f32;
+    let most = probe.iter().copied().fold(0.0, f32::max);
+    if most <= 0.0 {
+        return Vec::new();
+    }
+    let mut n_places = if mean >= 1.0 { n } else { (1.05 * n as f32 * most / mean) as usize + 64 };
+    loop {
+        n_places = n_places.min(MOST_PLACES_A_STRAND * n);
+        let roots = surface.sequence(n_places, seed);
+        let places: Vec<Option<Place>> = roots.par_iter().map(&place).collect();
+        let densities: Vec<f32> = places.iter().map(alive).collect();
+        let ids = select(&densities, n);
+        // A later place may come before the last one chosen as long as its id is below that one's key.
+        let largest_key = ids.last().map_or(0.0, |&id| (id as f32 + 0.5) / densities[id as usize]);
+        let most = densities.iter().copied().fold(0.0, f32::max);
+        if (ids.len() == n && largest_key * most <= n_places as f32) || n_places >= MOST_PLACES_A_STRAND * n {
+            return ids.iter().filter_map(|&id| Some((id, roots[id as usize], places[id as usize]?))).collect();
+        }
+        n_places = n_places * 3 / 2 + 64;
+    }
+}
+
+fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> LayerBinding {
+    if mesh.layers.is_empty() || mesh.check().is_err() {
+        return LayerBinding::with_capacity(GuideSet { n_vertices: 2, positions: Vec::new() }, 0);
+    }
+    let chains = mesh.chains();
+    let guides = GuideSet::of_chains(mesh, &chains);
+    let surface = RootSurface::of_hair_mesh(mesh);
+    let normals = root_layer_normals(mesh);
+    let corners_of = |root: &Root| -> Vec<Vec3> {
+        let face = mesh.face(0, root.face as usize).unwrap_or_default();
+        face.iter().map(|&v| mesh.layers[0].positions[v as usize]).collect()
+    };
+    let place = |root: &Root| -> Option<Place> {
+        scalp.and_then(|scalp| scalp.project(root.position)).or_else(|| {
+            let face = mesh.face(0, root.face as usize)?;
+            let weights = mean_value_weights(&corners_of(root), root.position);
+            let normal: Vec3 = face.iter().zip(&weights).map(|(&v, w)| *w * normals[v as usize]).sum();
+            Some(Place { position: root.position, normal: normal.normalize_or(Vec3::Y), uv: [0.0; 2] })
+        })
+    };
+    let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
+    let scattered = scatter(&surface, layer.n_strands as usize, layer.seed, density, place);
+    let weights: Vec<Vec<f32>> =
+        scattered.par_iter().map(|(_, root, _)| mean_value_weights(&corners_of(root), root.position)).collect();
+    let mut binding = LayerBinding::with_capacity(guides, scattered.len());
+    for ((id, root, place), weights) in scattered.iter().zip(weights) {
+        let guides = &chains.of_bundle[root.face as usize];
+        binding.push_influences(guides.iter().zip(weights).map(|(&guide_idx, weight)| Influence { guide_idx, weight }));
+        binding.push_id(*id, layer);
+        binding.push_place(place, scalp);
+    }
+    binding.measure_offsets();
+    binding
+}
+
+/// Normals of the root layer's vertices on the side where the hair is.
+fn root_layer_normals(mesh: &HairMesh) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; mesh.layers[0].positions.len()];
+    let mut outwards = 0.0;
+    for bundle in 0..mesh.n_bundles() {
+        let Some(face) = mesh.face(0, bundle) else { continue };
+        let p = |corner: usize| mesh.layers[0].positions[face[corner % face.len()] as usize];
+        let area: Vec3 = (0..face.len()).map(|i| p(i).cross(p(i + 1))).sum();
+        for &v in face {
+            normals[v as usize] += area;
+        }
+        for corner in 0..face.len() {
+            let mut along = mesh.corner_positions(bundle, corner);
+            if let (Some(root), Some(next)) = (along.next(), along.next()) {
+                outwards += area.dot(next - root);
+            }
+        }
+    }
+    let side = if outwards < 0.0 { -1.0 } else { 1.0 };
+    normals.iter().map(|n| (side * n).normalize_or(Vec3::Y)).collect()
+}
+
+fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> LayerBinding {
+    let guides = GuideSet::of_strands(strands);
+    if guides.n_guides() == 0 {
+        return LayerBinding::with_capacity(guides, 0);
+    }
+    let roots: Vec<Vec3> = (0..guides.n_guides()).map(|guide_idx| guides.guide(guide_idx)[0]).collect();
+    let (grid, spacing) = spaced_grid(&roots);
+    let reach = 1.5 * spacing;
+    let near_guide = |p: Vec3| grid.nearest::<1>(p).0[0].1 <= reach * reach;
+    // The part of the scalp that guides stand on.
+    let on_scalp = scalp.and_then(|scalp| {
+        let near: Vec<u32> = scalp
+            .triangles
+            .par_iter()
+            .copied()
+            .filter(|&triangle_idx| {
+                let [a, b, c] = scalp.mesh.corners(triangle_idx as usize);
+                let middle = (a + b + c) / 3.0;
+                let radius = middle.distance(a).max(middle.distance(b)).max(middle.distance(c));
+                grid.nearest::<1>(middle).0[0].1 <= (reach + radius).powi(2)
+            })
+            .collect();
+        let surface = RootSurface::of_triangles(scalp.mesh, near);
+        (surface.area() > 0.0).then_some((scalp, surface))
+    });
+    let (surface, scalp) = match on_scalp {
+        Some((scalp, surface)) => (surface, Some(scalp)),
+        None => (discs(&roots, 0.6 * spacing), None),
+    };
+    let middle = roots.iter().sum::<Vec3>() / roots.len() as f32;
+    let place = |root: &Root| -> Option<Place> {
+        let Some(scalp) = scalp else {
+            let normal = (root.position - middle).normalize_or(Vec3::Y);
+            return Some(Place { position: root.position, normal, uv: [0.0; 2] });
+        };
+        near_guide(root.position).then(|| scalp.at(root.face, root.barycentric, root.position))
+    };
+    let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
+    let scattered = scatter(&surface, layer.n_strands as usize, layer.seed, density, place);
+    let influences: Vec<[Influence; 3]> =
+        scattered.par_iter().map(|(_, root, _)| three_guides(&guides, &roots, &grid, root.position)).collect();
+    let mut binding = LayerBinding::with_capacity(guides, scattered.len());
+    for ((id, _, place), influences) in scattered.iter().zip(influences) {
+        binding.push_influences(influences);
+        binding.push_id(*id, layer);
+        binding.push_place(place, scalp);
+    }
+    binding.offset_at_tip = 1.0;
+    binding.measure_offsets();
+    binding
+}
+
+/// A grid over points and their mean spacing in centimetres.
+fn spaced_grid(points: &[Vec3]) -> (PointGrid<'_>, f32) {
+    let first = points.first().copied().unwrap_or_default();
+    let (lo, hi) = points.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
+    let size = (hi - lo).max_element();
+    let coarse = PointGrid::new(points, size / (points.len() as f32).sqrt());
+    let distances = points.iter().map(|&p| coarse.nearest::<2>(p).0[1].1.sqrt()).filter(|d| d.is_finite());
+    let (sum, n) = distances.fold((0.0, 0), |(sum, n), d| (sum + d, n + 1));
+    let spacing = if n > 0 && sum > 0.0 { sum / n as f32 } else { 1.0 };
+    (PointGrid::new(points, spacing), spacing)
+}
+
+/// Hexagons around points, across the way out of their middle: a root surface where there is no scalp.
+fn discs(points: &[Vec3], radius: f32) -> RootSurface {
+    let middle = points.iter().sum::<Vec3>() / points.len() as f32;
+    let mut mesh = TriMesh::default();
+    for &p in points {
+        let (x, y) = (p - middle).normalize_or(Vec3::Y).any_orthonormal_pair();
+        let first = mesh.positions.len() as u32;
+        mesh.positions.push(p);
+        for k in 0..6_u32 {
+            let (sin, cos) = (k as f32 / 6.0 * std::f32::consts::TAU).sin_cos();
+            mesh.positions.push(p + radius * (cos * x + sin * y));
+            mesh.triangles.push([first, first + 1 + k, first + 1 + (k + 1) % 6]);
+        }
+    }
+    RootSurface::of_triangles(&mesh, 0..mesh.triangles.len() as u32)
+}
+
+/// The three nearest guides with barycentric weights on their plane; guides across a parting get none.
+fn three_guides(guides: &GuideSet, roots: &[Vec3], grid: &PointGrid<'_>, p: Vec3) -> [Influence; 3] {
+    let (nearest, n_found) = grid.nearest::<3>(p);
+    let guide_idx = |i: usize| if i < n_found { nearest[i].0 } else { nearest[0].0 };
+    let [a, b, c] = [guide_idx(0), guide_idx(1), guide_idx(2)];
+    let (u, v, w) = (roots[b] - roots[a], roots[c] - roots[a], p - roots[a]);
+    // Compute barycentric coordinates of p's projection (Ericson 2005, section 3.4).
+    let (uu, uv, vv, wu, wv) = (u.dot(u), u.dot(v), v.dot(v), w.dot(u), w.dot(v));
+    let determinant = uu * vv - uv * uv;
+    let mut weights = if determinant > 1e-3 * uu * vv {
+        let (beta, gamma) = ((vv * wu - uv * wv) / determinant, (uu * wv - uv * wu) / determinant);
+        [1.0 - beta - gamma, beta, gamma]
+    } else {
+        // Guides in a row: by distance.
+        std::array::from_fn(|i| if i < n_found { 1.0 / (nearest[i].1 + 1e-6) } else { 0.0 })
+    };
+    let path = |guide_idx: usize| {
+        let guide = guides.guide(guide_idx);
+        (guide[guide.len() / 2] - guide[0]).normalize_or(Vec3::Y)
+    };
+    for (i, weight) in weights.iter_mut().enumerate() {
+        let same_side = i == 0 || path(guide_idx(i)).dot(path(a)) > PARTED;
+        *weight = if same_side { weight.max(0.0) } else { 0.0 };
+    }
+    weights[0] = if weights.iter().sum::<f32>() > 0.0 { weights[0] } else { 1.0 };
+    let sum: f32 = weights.iter().sum();
+    std::array::from_fn(|i| Influence { guide_idx: guide_idx(i) as u32, weight: weights[i] / sum })
+}
+
+fn bind_strands(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> LayerBinding {
+    let guides = GuideSet::of_strands(strands);
+    // Files list strands by region: a hashed order is a fair order of detail.
+    let mut order: Vec<u32> =
+        (0..strands.n_strands() as u32).filter(|&s| strands.strand(s as usize).len() >= 2).collect();
+    order.sort_by_cached_key(|&s| (combine(strands.id(s as usize), 0x51A7), s));
+    let n_roots = order.len().max(1) as f32;
+    let middle = order.iter().map(|&s| strands.strand(s as usize)[0]).sum::<Vec3>() / n_roots;
+    let places: Vec<Place> = order
+        .par_iter()
+        .map(|&s| {
+            let root = strands.strand(s as usize)[0];
+            let mut place = scalp.and_then(|scalp| scalp.project(root)).unwrap_or_else(|| Place {
+                position: root,
+                normal: (root - middle).normalize_or(Vec3::Y),
+                uv: [0.0; 2],
+            });
+            if let Some(&uv) = strands.root_uvs.get(s as usize) {
+                place.uv = uv;
+            }
+            Place { position: root, ..place }
+        })
+        .collect();
+    let n = strands.n_strands();
+    let mut binding = LayerBinding::with_capacity(guides, n);
+    for (&s, place) in order.iter().zip(&places) {
+        binding.push_influences([Influence { guide_idx: s, weight: 1.0 }]);
+        binding.push_id(strands.id(s as usize), layer);
+        binding.push_place(place, scalp);
+    }
+    if !strands.radii_um.is_empty() {
+        let root_radius = |s: u32| strands.radii_um[strands.range(s as usize).start];
+        let mean = order.iter().map(|&s| root_radius(s)).sum::<f32>() / n_roots;
+        binding.radius_scales = order.iter().map(|&s| if mean > 0.0 { root_radius(s) / mean } else { 1.0 }).collect();
+    }
+    binding.measure_offsets();
+    binding
+}
