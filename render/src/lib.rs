@@ -1,1 +1,3 @@
+//! A scene in, a texture out; and the CPU references that it is tested against.
 
+pub mod exact;
