@@ -14,17 +14,13 @@ use crate::mesh::TriMesh;
 
 choices! {
     /// A preset movement of the head.
+    #[derive(Default)]
     Motion {
+        #[default]
         None = "none", "Still", "The head rests, or goes where it is dragged";
         Turn = "turn", "Turn", "Looks over one shoulder, then over the other";
         Nod = "nod", "Nod", "Yes: three nods and a pause";
         Shake = "shake", "Shake", "No: a brisk shake and a pause";
-    }
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self::None
     }
 }
 

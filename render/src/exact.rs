@@ -6,7 +6,7 @@
 //! measured. What remains inexact is inherent in coverage as an alpha: two strands in one pixel are taken to cover it
 //! independently of each other. Neighbouring segments of one strand are not: their areas add.
 
-use glam::{DVec2, DVec3, Mat4, Vec4};
+use glam::{DVec2, Mat4, Vec4};
 use rayon::prelude::*;
 
 /// Strands as the rasterisers get them.
@@ -89,7 +89,7 @@ fn project(
     // Compute pixels per centimetre at unit depth from the projection's vertical focal length.
     let focal_px = clip.y_axis.y * f64::from(height) * 0.5;
     let project = |vertex: &Vec4| {
-        let in_view = view.transform_point3(DVec3::from(vertex.truncate().as_dvec3()));
+        let in_view = view.transform_point3(vertex.truncate().as_dvec3());
         let in_clip = clip * in_view.extend(1.0);
         let ndc = in_clip.truncate() / in_clip.w;
         Projected {
@@ -195,7 +195,7 @@ fn area_and_centre(polygon: &[DVec2]) -> (f64, DVec2) {
     (doubled.abs() * 0.5, polygon.iter().copied().sum::<DVec2>() / n as f64)
 }
 
-fn composite_pixel(fragments: &mut Vec<Fragment>, (surface_depth, surface_coverage): (f64, f64)) -> [f64; 4] {
+fn composite_pixel(fragments: &mut [Fragment], (surface_depth, surface_coverage): (f64, f64)) -> [f64; 4] {
     // Neighbouring segments of one strand are one piece of hair: their areas add.
     fragments.sort_unstable_by_key(|fragment| (fragment.strand_idx, fragment.segment_idx));
     let mut pieces: Vec<Fragment> = Vec::with_capacity(fragments.len());
