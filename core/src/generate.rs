@@ -34,7 +34,7 @@ impl Default for Pose<'_> {
 }
 
 /// Clump operators that take part; more in one stack are left out.
-pub const MOST_CLUMP_OPS: usize = 4;
+pub const MOST_CLUMP_OPS: usize = 3;
 /// Distance from the head below which strands are pushed out, in centimetres; half to one and a half of
 /// it from strand to strand, so that pushed hair is no sheet.
 pub const KEEP_OUT: f32 = 0.3;

@@ -1,0 +1,471 @@
+// Strands from guides: the twin of core/src/generate.rs, function by function.
+//
+// One thread makes one strand from root to tip. It carries the twist-free frame, the arc length and, for its own
+// path and for its clumps' middles, the four blended control points around the present parameter: each control
+// point is blended once, not once for every vertex that it shapes.
+
+#import lorelei::hash::{combine, random, unit}
+
+struct Params {
+    // Rows of the rotation (and scale) and the translation.
+    world_from_head: mat3x4<f32>,
+    head_from_world: mat3x4<f32>,
+    // The identity where the guides are in world space already.
+    world_from_guides: mat3x4<f32>,
+    field_min: vec3<f32>,
+    field_cell: f32,
+    // Nodes of the head's distance field; x is 0 where there is none.
+    field_n: vec3<u32>,
+    n_drawn: u32,
+    n_vertices: u32,
+    guide_vertices: u32,
+    first_vertex: u32,
+    n_ops: u32,
+    n_sizes: u32,
+    // Centimetres at the root.
+    radius: f32,
+    tip_radius: f32,
+    offset_at_tip: f32,
+    lod_scale: f32,
+    lod_end: f32,
+    lod_fade: f32,
+    pad: u32,
+}
+
+struct Strand {
+    root_offset: vec3<f32>,
+    seed: u32,
+    root_normal: vec3<f32>,
+    radius_scale: f32,
+    first_influence: u32,
+    n_influences: u32,
+    pad_0: u32,
+    pad_1: u32,
+}
+
+struct Influence {
+    guide_idx: u32,
+    weight: f32,
+}
+
+struct Op {
+    kind: u32,
+    // Which of a strand's clump middles; NO_CLUMP is the strand itself.
+    size_idx: u32,
+    seed: u32,
+    strength: f32,
+    at: f32,
+    ramp: f32,
+    a: f32,
+    b: f32,
+    c: f32,
+    pad_0: f32,
+    pad_1: f32,
+    pad_2: f32,
+}
+
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> guides: array<vec4<f32>>;
+@group(0) @binding(2) var<storage, read> strands: array<Strand>;
+@group(0) @binding(3) var<storage, read> influences: array<Influence>;
+@group(0) @binding(4) var<storage, read> middles: array<u32>;
+@group(0) @binding(5) var<storage, read> ops: array<Op>;
+@group(0) @binding(6) var<storage, read> field: array<f32>;
+@group(0) @binding(7) var<storage, read_write> vertices: array<vec4<f32>>;
+
+const NO_CLUMP: u32 = 0xFFFFFFFFu;
+
+const LENGTH: u32 = 0u;
+const CLUMP: u32 = 1u;
+const WAVE: u32 = 2u;
+const CURL: u32 = 3u;
+const FRIZZ: u32 = 4u;
+const DEVIATE: u32 = 5u;
+
+const KEEP_OUT: f32 = 0.3;
+const GROW_OUT: f32 = 2.0;
+const TAPER: f32 = 0.1;
+const TAU: f32 = 6.283185307179586;
+
+const FOR_LENGTH: u32 = 1u;
+const FOR_STRAY: u32 = 2u;
+const FOR_LOOSE_CLUMP: u32 = 3u;
+const FOR_PHASE: u32 = 4u;
+const FOR_PERIOD: u32 = 5u;
+const FOR_SIDE: u32 = 6u;
+const FOR_SIZE: u32 = 7u;
+const FOR_NOISE: u32 = 8u;
+const FOR_SHARE: u32 = 9u;
+const FOR_START: u32 = 10u;
+const FOR_KEEP_OUT: u32 = 11u;
+
+// A path with its four control points around the present segment.
+struct Curve {
+    first_influence: u32,
+    n_influences: u32,
+    // Root offset in world space.
+    offset: vec3<f32>,
+    p0: vec3<f32>,
+    p1: vec3<f32>,
+    p2: vec3<f32>,
+    p3: vec3<f32>,
+}
+
+struct Pull {
+    strength: f32,
+    at: f32,
+    ramp: f32,
+    flare: f32,
+    follow: f32,
+}
+
+fn rotate(m: mat3x4<f32>, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(dot(m[0].xyz, v), dot(m[1].xyz, v), dot(m[2].xyz, v));
+}
+
+fn move_point(m: mat3x4<f32>, p: vec3<f32>) -> vec3<f32> {
+    return rotate(m, p) + vec3<f32>(m[0].w, m[1].w, m[2].w);
+}
+
+fn normalize_or(v: vec3<f32>, other: vec3<f32>) -> vec3<f32> {
+    let squared = dot(v, v);
+    return select(other, v * inverseSqrt(squared), squared > 1e-24);
+}
+
+fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
+    let x = clamp((at - low) / (high - low), 0.0, 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+fn envelope(strength: f32, at: f32, ramp: f32, t: f32) -> f32 {
+    if t < at {
+        return 0.0;
+    }
+    if ramp <= 0.0 {
+        return strength;
+    }
+    let x = clamp((t - at) / max(1.0 - at, 1e-4), 0.0, 1.0);
+    return strength * select(0.0, pow(max(x, 1e-20), ramp), x > 0.0);
+}
+
+fn pull_at(pull: Pull, t: f32) -> f32 {
+    let x = clamp((t - 0.6) / 0.4, 0.0, 1.0);
+    return envelope(pull.strength, pull.at, pull.ramp, t) * (1.0 - pull.flare * x * x);
+}
+
+fn purpose(name: u32, op_seed: u32) -> u32 {
+    return combine(op_seed, name);
+}
+
+fn middle_of(strand_idx: u32, size_idx: u32) -> u32 {
+    if size_idx == NO_CLUMP {
+        return strand_idx;
+    }
+    return middles[strand_idx * params.n_sizes + size_idx];
+}
+
+fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
+    var p = vec3<f32>(0.0);
+    let first = (*curve).first_influence;
+    for (var k = first; k < first + (*curve).n_influences; k++) {
+        let influence = influences[k];
+        p += influence.weight * guides[influence.guide_idx * params.guide_vertices + i].xyz;
+    }
+    let x = f32(i) / f32(params.guide_vertices - 1u);
+    let left = 1.0 - smooth_step(0.0, 1.0, x) * (1.0 - params.offset_at_tip);
+    return move_point(params.world_from_guides, p) + left * (*curve).offset;
+}
+
+// Set a curve to its first segment.
+fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
+    (*curve).first_influence = strands[strand_idx].first_influence;
+    (*curve).n_influences = strands[strand_idx].n_influences;
+    (*curve).offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
+    (*curve).p1 = control(curve, 0u);
+    (*curve).p2 = control(curve, 1u);
+    (*curve).p0 = 2.0 * (*curve).p1 - (*curve).p2;
+    if params.guide_vertices > 2u {
+        (*curve).p3 = control(curve, 2u);
+    } else {
+        (*curve).p3 = 2.0 * (*curve).p2 - (*curve).p1;
+    }
+}
+
+// Go on to a segment, the next one.
+fn advance(curve: ptr<function, Curve>, segment: u32) {
+    (*curve).p0 = (*curve).p1;
+    (*curve).p1 = (*curve).p2;
+    (*curve).p2 = (*curve).p3;
+    if segment + 2u < params.guide_vertices {
+        (*curve).p3 = control(curve, segment + 2u);
+    } else {
+        (*curve).p3 = 2.0 * (*curve).p2 - (*curve).p1;
+    }
+}
+
+fn catmull_rom_weights(x: f32) -> vec4<f32> {
+    let x2 = x * x;
+    let x3 = x2 * x;
+    return vec4<f32>(
+        0.5 * (-x + 2.0 * x2 - x3),
+        0.5 * (2.0 - 5.0 * x2 + 3.0 * x3),
+        0.5 * (x + 4.0 * x2 - 3.0 * x3),
+        0.5 * (x3 - x2),
+    );
+}
+
+fn path(curve: ptr<function, Curve>, w: vec4<f32>) -> vec3<f32> {
+    return w.x * (*curve).p0 + w.y * (*curve).p1 + w.z * (*curve).p2 + w.w * (*curve).p3;
+}
+
+// A unit vector across the normal: X turned by the shortest way that takes Y to the normal.
+fn any_tangent(normal: vec3<f32>) -> vec3<f32> {
+    let across = vec3<f32>(1.0, 0.0, 0.0) - normal.x / max(1.0 + normal.y, 1e-3) * (vec3<f32>(0.0, 1.0, 0.0) + normal);
+    return normalize_or(across, vec3<f32>(1.0, 0.0, 0.0));
+}
+
+// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist.
+fn transport(right: vec3<f32>, before: vec3<f32>, to: vec3<f32>) -> vec3<f32> {
+    let carried = right - dot(right, to) / max(1.0 + dot(before, to), 1e-3) * (before + to);
+    return normalize_or(carried - dot(carried, to) * to, right);
+}
+
+fn sin_turns(turns: f32) -> f32 {
+    let x = turns - floor(turns) - 0.5;
+    return -sin(TAU * x);
+}
+
+fn gradient(seed: u32, cell: i32) -> f32 {
+    return 2.0 * unit(combine(seed, bitcast<u32>(cell))) - 1.0;
+}
+
+fn gradient_noise(seed: u32, x: f32) -> f32 {
+    let cell = floor(x);
+    let f = x - cell;
+    let a = gradient(seed, i32(cell)) * f;
+    let b = gradient(seed, i32(cell) + 1) * (f - 1.0);
+    let fade = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    return 2.0 * (a + fade * (b - a));
+}
+
+fn noise(seed: u32, x: f32) -> f32 {
+    return gradient_noise(seed, x) + 0.5 * gradient_noise(combine(seed, 2u), 2.0 * x + 0.37);
+}
+
+// Displacement across the strand (right, up) and away from the head (z).
+fn displacement(strand_idx: u32, seed: u32, t: f32, arc_length: f32) -> vec3<f32> {
+    var offset = vec3<f32>(0.0);
+    for (var i = 0u; i < params.n_ops; i++) {
+        let op = ops[i];
+        if op.kind <= CLUMP {
+            continue;
+        }
+        let effect = envelope(op.strength, op.at, op.ramp, t);
+        let clump = strands[middle_of(strand_idx, op.size_idx)].seed;
+        switch op.kind {
+            case WAVE: {
+                let period = max(op.b, 0.05) * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)));
+                let turns = random(clump, purpose(FOR_PHASE, op.seed)) + arc_length / period;
+                let size = op.a * (0.7 + 0.6 * random(clump, purpose(FOR_SIZE, op.seed)));
+                let angle = (random(clump, purpose(FOR_SIDE, op.seed)) - 0.5) * 2.0;
+                let wave = sin_turns(turns) * size * effect * smooth_step(0.0, 0.5 * period, arc_length);
+                offset += wave * vec3<f32>(cos(angle), sin(angle), 0.0);
+            }
+            case CURL: {
+                let period = max(op.b, 0.05)
+                    * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)))
+                    * (1.0 + 0.5 * op.c * t);
+                let hand = select(1.0, -1.0, random(clump, purpose(FOR_SIDE, op.seed)) < 0.5);
+                let turns = random(clump, purpose(FOR_PHASE, op.seed)) + hand * arc_length / period;
+                let size = op.a
+                    * (0.8 + 0.4 * random(clump, purpose(FOR_SIZE, op.seed)))
+                    * (1.0 + op.c * t)
+                    * effect
+                    * smooth_step(0.0, period, arc_length);
+                offset += size * vec3<f32>(sin_turns(turns + 0.25), sin_turns(turns), 0.0);
+            }
+            case FRIZZ: {
+                let noise_seed = combine(clump, purpose(FOR_NOISE, op.seed));
+                let x = arc_length / max(op.b, 0.05);
+                let size = op.a * effect * smooth_step(0.0, 1.0, x);
+                offset += size * vec3<f32>(noise(noise_seed, x), noise(combine(noise_seed, 1u), x), 0.0);
+            }
+            case DEVIATE: {
+                if random(seed, purpose(FOR_SHARE, op.seed)) >= op.a {
+                    continue;
+                }
+                let at = op.at + 0.7 * (1.0 - op.at) * random(seed, purpose(FOR_START, op.seed));
+                let size = op.b
+                    * (0.3 + 0.7 * random(seed, purpose(FOR_SIZE, op.seed)))
+                    * envelope(op.strength, at, op.ramp, t);
+                let turns = random(seed, purpose(FOR_SIDE, op.seed));
+                let around = size * (1.0 - abs(op.c));
+                offset += vec3<f32>(around * sin_turns(turns + 0.25), around * sin_turns(turns), size * op.c);
+            }
+            default: {}
+        }
+    }
+    return offset;
+}
+
+fn field_index(node: vec3<u32>) -> u32 {
+    return node.x + params.field_n.x * (node.y + params.field_n.y * node.z);
+}
+
+// Push a vertex out of the head, squeezing the distances below the margin in their order.
+fn keep_out(p: vec3<f32>, arc_length: f32, seed: u32) -> vec3<f32> {
+    if params.field_n.x == 0u {
+        return p;
+    }
+    let in_head = move_point(params.head_from_world, p);
+    let margin = KEEP_OUT * (0.5 + random(seed, FOR_KEEP_OUT)) * smooth_step(0.0, GROW_OUT, arc_length) + 1e-3;
+    let in_cells = (in_head - params.field_min) / params.field_cell;
+    let inside = clamp(in_cells, vec3<f32>(0.0), vec3<f32>(params.field_n - 1u));
+    let outside = length(in_cells - inside) * params.field_cell;
+    if outside >= margin {
+        return p;
+    }
+    let base = min(vec3<u32>(inside), params.field_n - 2u);
+    let t = inside - vec3<f32>(base);
+    let at = field_index(base);
+    let dy = params.field_n.x;
+    let dz = params.field_n.x * params.field_n.y;
+    let c0 = vec4<f32>(field[at], field[at + 1u], field[at + dy], field[at + dy + 1u]);
+    let c1 = vec4<f32>(field[at + dz], field[at + dz + 1u], field[at + dz + dy], field[at + dz + dy + 1u]);
+    let y0 = mix(mix(c0.x, c0.y, t.x), mix(c0.z, c0.w, t.x), t.y);
+    let y1 = mix(mix(c1.x, c1.y, t.x), mix(c1.z, c1.w, t.x), t.y);
+    let distance = mix(y0, y1, t.z) + outside;
+    if distance >= margin {
+        return p;
+    }
+    let gradient = vec3<f32>(
+        mix(mix(c0.y - c0.x, c0.w - c0.z, t.y), mix(c1.y - c1.x, c1.w - c1.z, t.y), t.z),
+        mix(mix(c0.z - c0.x, c0.w - c0.y, t.x), mix(c1.z - c1.x, c1.w - c1.y, t.x), t.z),
+        mix(mix(c1.x - c0.x, c1.y - c0.y, t.x), mix(c1.z - c0.z, c1.w - c0.w, t.x), t.y),
+    );
+    let wanted = margin * exp(distance / margin - 1.0);
+    let out = normalize_or(gradient, vec3<f32>(0.0));
+    return move_point(params.world_from_head, in_head + (wanted - distance) * out);
+}
+
+@compute @workgroup_size(64)
+fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let strand_idx = id.x + id.y * n_groups.x * 64u;
+    if strand_idx >= params.n_drawn {
+        return;
+    }
+    let seed = strands[strand_idx].seed;
+
+    // The strand's length and its pulls.
+    var cut = 1.0;
+    var n_pulls = 0u;
+    var pull_0: Pull;
+    var pull_1: Pull;
+    var pull_2: Pull;
+    var middle_0: Curve;
+    var middle_1: Curve;
+    var middle_2: Curve;
+    for (var i = 0u; i < params.n_ops; i++) {
+        let op = ops[i];
+        if op.kind > CLUMP {
+            continue;
+        }
+        let middle = middle_of(strand_idx, op.size_idx);
+        if op.kind == LENGTH {
+            cut *= 1.0 - op.strength * clamp(op.a, 0.0, 0.98) * random(strands[middle].seed, purpose(FOR_LENGTH, op.seed));
+            continue;
+        }
+        let stray = random(seed, purpose(FOR_STRAY, op.seed));
+        let loose = random(strands[middle].seed, purpose(FOR_LOOSE_CLUMP, op.seed));
+        let pull = Pull(op.strength * (1.0 - 0.5 * op.b * loose), op.at, op.ramp, op.a, 1.0 - op.b * stray * stray);
+        if n_pulls == 0u {
+            pull_0 = pull;
+            begin(&middle_0, middle);
+        } else if n_pulls == 1u {
+            pull_1 = pull;
+            begin(&middle_1, middle);
+        } else if n_pulls == 2u {
+            pull_2 = pull;
+            begin(&middle_2, middle);
+        }
+        n_pulls = min(n_pulls + 1u, 3u);
+    }
+    var own: Curve;
+    begin(&own, strand_idx);
+
+    let outwards = rotate(params.world_from_head, strands[strand_idx].root_normal);
+    var right = rotate(params.world_from_head, any_tangent(strands[strand_idx].root_normal));
+    var tangent = outwards;
+    var before = vec3<f32>(0.0);
+    var base = vec3<f32>(0.0);
+    var arc_length = 0.0;
+    var segment = 0u;
+    let last = params.n_vertices - 1u;
+    let n_segments = params.guide_vertices - 1u;
+    let width = params.lod_scale * clamp((params.lod_end - f32(strand_idx)) / params.lod_fade, 0.0, 1.0);
+    let radius = params.radius * strands[strand_idx].radius_scale * width;
+    let out_at = params.first_vertex + strand_idx * params.n_vertices;
+
+    // Vertex v is finished when the path at v + 1 is known.
+    for (var v = 0u; v <= last + 1u; v++) {
+        var after = base;
+        if v <= last {
+            let t = cut * f32(v) / f32(last);
+            let u = t * f32(n_segments);
+            let wanted = min(u32(u), n_segments - 1u);
+            while segment < wanted {
+                segment++;
+                advance(&own, segment);
+                if n_pulls > 0u {
+                    advance(&middle_0, segment);
+                }
+                if n_pulls > 1u {
+                    advance(&middle_1, segment);
+                }
+                if n_pulls > 2u {
+                    advance(&middle_2, segment);
+                }
+            }
+            let w = catmull_rom_weights(u - f32(segment));
+            after = path(&own, w);
+            if n_pulls > 0u {
+                let m_0 = path(&middle_0, w);
+                let s_0 = pull_at(pull_0, t);
+                after += s_0 * pull_0.follow * (m_0 - after);
+                if n_pulls > 1u {
+                    var m_1 = path(&middle_1, w);
+                    let s_1 = pull_at(pull_1, t);
+                    m_1 += s_0 * (m_0 - m_1);
+                    after += s_1 * pull_1.follow * (m_1 - after);
+                    if n_pulls > 2u {
+                        var m_2 = path(&middle_2, w);
+                        m_2 += s_0 * (m_0 - m_2);
+                        m_2 += s_1 * (m_1 - m_2);
+                        after += pull_at(pull_2, t) * pull_2.follow * (m_2 - after);
+                    }
+                }
+            }
+        }
+        if v == 0u {
+            before = after;
+            base = after;
+            continue;
+        }
+        let vertex = v - 1u;
+        arc_length += distance(base, before);
+        let new_tangent = normalize_or(after - before, tangent);
+        right = transport(right, tangent, new_tangent);
+        tangent = new_tangent;
+        let up = cross(tangent, right);
+        let t = f32(vertex) / f32(last);
+        let offset = displacement(strand_idx, seed, t, arc_length);
+        var p = base + offset.x * right + offset.y * up + offset.z * outwards;
+        if vertex > 0u {
+            p = keep_out(p, arc_length, seed);
+        }
+        let taper = 1.0 + clamp((t - (1.0 - TAPER)) / TAPER, 0.0, 1.0) * (params.tip_radius - 1.0);
+        vertices[out_at + vertex] = vec4<f32>(p, radius * taper);
+        before = base;
+        base = after;
+    }
+}
