@@ -1,0 +1,58 @@
+//! A thing made from shaders that is remade when their files change, and stays as it was when that fails.
+
+use crate::error::ShaderError;
+use crate::library::ShaderLibrary;
+
+/// Pipelines (a struct of [`Kernel`](crate::Kernel)s) with the generation of the shader library they come from.
+pub struct Hot<T> {
+    value: T,
+    generation: u64,
+    error: Option<ShaderError>,
+}
+
+impl<T> Hot<T> {
+    pub fn new(
+        library: &ShaderLibrary,
+        make: impl FnOnce(&ShaderLibrary) -> Result<T, ShaderError>,
+    ) -> Result<Self, ShaderError> {
+        let generation = library.generation();
+        Ok(Self { value: make(library)?, generation, error: None })
+    }
+
+    /// Make it again if a shader file has changed. A failure keeps the last good one and is told by [`Hot::error`].
+    /// True where there is a new one: whatever was bound to the old one must be bound again.
+    pub fn refresh(
+        &mut self,
+        library: &ShaderLibrary,
+        make: impl FnOnce(&ShaderLibrary) -> Result<T, ShaderError>,
+    ) -> bool {
+        let generation = library.generation();
+        if generation == self.generation {
+            return false;
+        }
+        self.generation = generation;
+        match make(library) {
+            Ok(value) => {
+                (self.value, self.error) = (value, None);
+                true
+            }
+            Err(error) => {
+                log::error!("{error}");
+                self.error = Some(error);
+                false
+            }
+        }
+    }
+
+    /// Why the last edit is not in use.
+    pub fn error(&self) -> Option<&ShaderError> {
+        self.error.as_ref()
+    }
+}
+
+impl<T> std::ops::Deref for Hot<T> {
+    type Target = T;
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
