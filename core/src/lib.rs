@@ -13,6 +13,7 @@ pub mod generate;
 pub mod groom;
 pub mod guides;
 pub mod hair_mesh;
+pub mod hair_mesh_relax;
 pub mod hash;
 pub mod history;
 pub mod light;
