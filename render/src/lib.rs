@@ -1,3 +1,5 @@
 //! A scene in, a texture out; and the CPU references that it is tested against.
 
 pub mod exact;
+pub mod generate;
+pub mod mirror;

@@ -1,0 +1,348 @@
+//! All strand vertices, every frame, on the GPU: one dispatch a layer of `generate.wgsl`.
+//!
+//! Guides may move every frame without leaving the GPU: the solver's buffer is bound where the mirror's
+//! own would be. Keeping last frame's vertices while nothing moves was rejected: making them costs less
+//! than finding out.
+
+use glam::Affine3A;
+use lorelei_core::groom::Groom;
+use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
+use wgpu::BufferUsages;
+
+use crate::mirror::{Mirror, MirrorError, StrandBuffers};
+
+/// Makes the strands of a groom.
+pub struct StrandGenerator {
+    kernel: Hot<Kernel>,
+    mirror: Mirror,
+    params: Vec<wgpu::Buffer>,
+}
+
+/// What changes from frame to frame.
+#[derive(Debug, Clone, Copy)]
+pub struct StrandPose<'a> {
+    pub world_from_head: Affine3A,
+    /// Per layer: guide positions in world space, `array<vec4<f32>>`; `None` at rest.
+    pub guides: &'a [Option<&'a wgpu::Buffer>],
+    /// Level of detail: share of the strands that are drawn, 0-1.
+    pub lod: f32,
+}
+
+/// Twin of `Params` in generate.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct Params {
+    world_from_head: [[f32; 4]; 3],
+    head_from_world: [[f32; 4]; 3],
+    world_from_guides: [[f32; 4]; 3],
+    field_min: [f32; 3],
+    field_cell: f32,
+    field_n: [u32; 3],
+    n_drawn: u32,
+    n_vertices: u32,
+    guide_vertices: u32,
+    first_vertex: u32,
+    n_ops: u32,
+    n_sizes: u32,
+    radius: f32,
+    tip_radius: f32,
+    offset_at_tip: f32,
+    lod_scale: f32,
+    lod_end: f32,
+    lod_fade: f32,
+    pad: u32,
+}
+
+impl StrandGenerator {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+        let kernel = Hot::new(library, |library| library.kernel(gpu, "generate", "generate", &[], &[]))?;
+        Ok(Self { kernel, mirror: Mirror::new(gpu), params: Vec::new() })
+    }
+
+    /// Take over what changed in the groom. Returns what the user should know.
+    pub fn set_groom(&mut self, gpu: &Gpu, groom: &Groom) -> Result<Vec<String>, MirrorError> {
+        self.mirror.set_groom(gpu, groom)
+    }
+
+    pub fn mirror(&self) -> &Mirror {
+        &self.mirror
+    }
+
+    /// The strands as the last recorded frame makes them.
+    pub fn strands(&self) -> &StrandBuffers {
+        self.mirror.strands()
+    }
+
+    /// Why the last edit of the shader is not in use.
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.kernel.error()
+    }
+
+    /// Send this frame's numbers and bind each drawn layer; `record` then dispatches. Call once a frame.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        pose: &StrandPose<'_>,
+    ) -> Result<PreparedStrands, ShaderError> {
+        self.kernel.refresh(library, |library| library.kernel(gpu, "generate", "generate", &[], &[]));
+        let mut dispatches = Vec::new();
+        self.mirror.buffers.layers.clear();
+        while self.params.len() < self.mirror.layers.len() {
+            let size = size_of::<Params>() as u64;
+            self.params.push(gpu.buffer("generate.params", size, BufferUsages::UNIFORM));
+        }
+        let field = self.mirror.field().cloned();
+        for (layer_idx, (layer, params_buffer)) in self.mirror.layers.iter().zip(&self.params).enumerate() {
+            let Some(place) = layer.place else { continue };
+            let moved = pose.guides.get(layer_idx).copied().flatten();
+            let world_from_guides = if moved.is_some() { Affine3A::IDENTITY } else { pose.world_from_head };
+            let lod = layer.lod(pose.lod);
+            let params = Params {
+                world_from_head: rows(&pose.world_from_head),
+                head_from_world: rows(&pose.world_from_head.inverse()),
+                world_from_guides: rows(&world_from_guides),
+                field_min: field.as_ref().map_or([0.0; 3], |field| field.min.to_array()),
+                field_cell: field.as_ref().map_or(1.0, |field| field.cell),
+                field_n: field.as_ref().map_or([0; 3], |field| field.n),
+                n_drawn: lod.n_drawn,
+                n_vertices: place.vertices_per_strand,
+                guide_vertices: layer.binding.guides.n_vertices,
+                first_vertex: place.first_vertex,
+                n_ops: layer.n_ops,
+                n_sizes: layer.binding.clumps.sizes.len() as u32,
+                radius: layer.layer.radius_um * 1e-4,
+                tip_radius: layer.layer.tip_radius,
+                offset_at_tip: layer.binding.offset_at_tip,
+                lod_scale: lod.scale,
+                lod_end: lod.end,
+                lod_fade: lod.fade,
+                pad: 0,
+            };
+            gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
+            let bindings = self.kernel.bind(
+                gpu,
+                &[
+                    ("params", params_buffer.as_entire_binding()),
+                    ("guides", moved.unwrap_or(&layer.guides).as_entire_binding()),
+                    ("strands", layer.strands.as_entire_binding()),
+                    ("influences", layer.influences.as_entire_binding()),
+                    ("middles", layer.middles.as_entire_binding()),
+                    ("ops", layer.ops.as_entire_binding()),
+                    ("field", self.mirror.field_buffer.as_entire_binding()),
+                    ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
+                ],
+            )?;
+            self.mirror.buffers.layers.push(crate::mirror::DrawnLayer { n_strands: lod.n_drawn, ..place });
+            dispatches.push((bindings, lod.n_drawn));
+        }
+        Ok(PreparedStrands { dispatches })
+    }
+
+    /// Record the dispatches of a prepared frame.
+    pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, prepared: &PreparedStrands) {
+        for (bindings, n_drawn) in &prepared.dispatches {
+            self.kernel.dispatch_items(pass, bindings, *n_drawn);
+        }
+    }
+}
+
+/// A frame's dispatches.
+#[derive(Debug)]
+pub struct PreparedStrands {
+    dispatches: Vec<(Bindings, u32)>,
+}
+
+/// The rows of a transform: rotation and scale, then the translation.
+fn rows(transform: &Affine3A) -> [[f32; 4]; 3] {
+    let m = transform.matrix3;
+    let t = transform.translation;
+    [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{Quat, Vec3};
+    use lorelei_core::generate::{Pose, generate};
+    use lorelei_core::groom::{Head, Layer, Source};
+    use lorelei_core::hair_mesh::{HairMesh, Weld};
+    use lorelei_core::mesh::TriMesh;
+    use lorelei_core::strands::{Strands, polyline_length};
+    use lorelei_core::style::{StyleKind, StyleOp};
+
+    use super::*;
+
+    fn ball(radius: f32) -> Head {
+        let n = 32_u32;
+        let mut mesh = TriMesh::default();
+        for i in 0..=n {
+            for j in 0..n {
+                let (polar, around) =
+                    (i as f32 / n as f32 * std::f32::consts::PI, j as f32 / n as f32 * std::f32::consts::TAU);
+                let p = Vec3::new(polar.sin() * around.sin(), polar.cos(), polar.sin() * around.cos());
+                mesh.positions.push(radius * p);
+                if i < n {
+                    let (a, b) = (i * n + j, i * n + (j + 1) % n);
+                    mesh.triangles.extend([[a, a + n, b], [b, a + n, b + n]]);
+                }
+            }
+        }
+        Head { name: "ball".into(), mesh: Arc::new(mesh) }
+    }
+
+    /// A cap of quads on a ball, its layers falling to the sides and partly into the ball.
+    fn falling_hair() -> HairMesh {
+        let n = 5_u32;
+        let side = n + 1;
+        let on_ball = |i: u32| Vec3::new((i % side) as f32 - 2.5, 6.0, (i / side) as f32 - 2.5).normalize() * 8.0;
+        let positions = (0..side * side).map(on_ball).collect();
+        let faces = (0..n * n).map(|i| i % n + side * (i / n)).map(|c| vec![c, c + side, c + side + 1, c + 1]);
+        let mut mesh = HairMesh::from_polygons(positions, faces.collect()).unwrap();
+        let all: Vec<usize> = (0..mesh.n_bundles()).collect();
+        for k in 1..7 {
+            mesh.extrude(&all, Weld::Neighbours, |v| {
+                v.position + Vec3::new(0.2 * v.position.x, 0.6 - 0.5 * k as f32, 0.25 * v.position.z)
+            })
+            .unwrap();
+        }
+        mesh
+    }
+
+    fn groom() -> Groom {
+        let mut style: Vec<StyleOp> = vec![
+            StyleOp::new(StyleKind::Clump { strands_per_clump: 300.0, flare: 0.3, stray: 0.2 }),
+            StyleOp { ramp: 0.6, ..StyleOp::new(StyleKind::Clump { strands_per_clump: 30.0, flare: 0.1, stray: 0.4 }) },
+        ];
+        style.extend(StyleKind::DEFAULTS.into_iter().enumerate().map(|(seed, kind)| StyleOp {
+            strength: 0.7,
+            from: 0.05,
+            seed: seed as u32,
+            ..StyleOp::new(kind)
+        }));
+        let hair = Layer {
+            n_strands: 1500,
+            vertices_per_strand: 24,
+            style,
+            ..Layer::new("hair", Source::HairMesh(Arc::new(falling_hair())))
+        };
+        let mut guides = Strands::default();
+        for i in 0..40 {
+            let (sin, cos) = (i as f32 * 2.4).sin_cos();
+            let out = Vec3::new(0.5 * sin * (i as f32).sqrt(), 4.0, 0.5 * cos * (i as f32).sqrt()).normalize();
+            guides.push(&[0, 1, 2, 3].map(|k| out * (8.0 + k as f32) + Vec3::X * 0.2 * (k * k) as f32));
+        }
+        let fuzz = Layer {
+            n_strands: 700,
+            vertices_per_strand: 9,
+            style: vec![StyleOp::new(StyleKind::Frizz { amplitude: 0.2, wavelength: 1.0, strands_per_clump: 10.0 })],
+            ..Layer::new("guides", Source::Guides(Arc::new(guides)))
+        };
+        Groom { head: Some(ball(8.0)), layers: vec![hair, fuzz], ..Groom::default() }
+    }
+
+    fn make(gpu: &Gpu, generator: &mut StrandGenerator, pose: &StrandPose<'_>) -> Vec<[f32; 4]> {
+        let library = ShaderLibrary::embedded();
+        let prepared = generator.prepare(gpu, &library, pose).unwrap();
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        generator.record(&mut encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default()), &prepared);
+        gpu.queue.submit([encoder.finish()]);
+        gpu.read_buffer(&generator.strands().vertices).unwrap()
+    }
+
+    #[test]
+    fn gpu_strands_are_the_cpus() {
+        let gpu = Gpu::headless().unwrap();
+        let library = ShaderLibrary::embedded();
+        let groom = groom();
+        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
+        assert_eq!(generator.set_groom(&gpu, &groom).unwrap(), Vec::<String>::new());
+        let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::new(3.0, -1.0, 2.0));
+        for (world_from_head, lod) in [(Affine3A::IDENTITY, 1.0), (turned, 0.37), (turned, 0.0)] {
+            let vertices = make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod });
+            let mut worst: f32 = 0.0;
+            for (layer_idx, layer) in groom.layers.iter().enumerate() {
+                let binding = generator.mirror().binding(layer_idx).unwrap();
+                let drawn = generator.strands().layers[layer_idx];
+                let guides: Vec<Vec3> =
+                    binding.guides.positions.iter().map(|p| world_from_head.transform_point3(*p)).collect();
+                let field = generator.mirror().field().map(|field| &**field);
+                let strands = generate(binding, layer, &guides, &Pose { world_from_head, field, lod });
+                assert_eq!(drawn.n_strands as usize, strands.n_strands());
+                assert_eq!(drawn.material as usize, layer_idx);
+                for s in 0..strands.n_strands() {
+                    let length = polyline_length(strands.strand(s));
+                    for (v, p) in strands.strand(s).iter().enumerate() {
+                        let at = drawn.first_vertex as usize + s * drawn.vertices_per_strand as usize + v;
+                        let [x, y, z, radius] = vertices[at];
+                        worst = worst.max(p.distance(Vec3::new(x, y, z)) / length);
+                        let radius_um = strands.radii_um[strands.range(s).start + v];
+                        assert!((radius * 1e4 - radius_um).abs() <= 1e-3 * radius_um, "{} {radius_um}", radius * 1e4);
+                    }
+                }
+            }
+            eprintln!("lod {lod}: CPU and GPU differ by {worst} of a strand's length");
+            assert!(worst < 1e-4, "{worst}");
+        }
+    }
+
+    #[test]
+    fn only_what_changed_is_sent() {
+        let gpu = Gpu::headless().unwrap();
+        let library = ShaderLibrary::embedded();
+        let mut groom = groom();
+        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
+        generator.set_groom(&gpu, &groom).unwrap();
+        let buffers = |generator: &StrandGenerator| {
+            let layer = &generator.mirror().layers[0];
+            [&layer.strands, &layer.middles, &layer.ops, &generator.strands().vertices].map(Clone::clone)
+        };
+        let first = buffers(&generator);
+        groom.layers[0].radius_um = 20.0;
+        groom.layers[0].material.eumelanin = 5.0;
+        generator.set_groom(&gpu, &groom).unwrap();
+        assert!(buffers(&generator) == first);
+        groom.layers[0].style[2].strength = 0.1;
+        generator.set_groom(&gpu, &groom).unwrap();
+        let restyled = buffers(&generator);
+        assert!(restyled[..2] == first[..2] && restyled[2] != first[2]);
+        groom.layers.swap(0, 1);
+        generator.set_groom(&gpu, &groom).unwrap();
+        assert!(generator.mirror().layers[1].strands == first[0]);
+        groom.layers[1].n_strands += 1;
+        generator.set_groom(&gpu, &groom).unwrap();
+        assert!(generator.mirror().layers[1].strands != first[0]);
+        groom.layers[1].visible = false;
+        generator.set_groom(&gpu, &groom).unwrap();
+        make(&gpu, &mut generator, &StrandPose { world_from_head: Affine3A::IDENTITY, guides: &[], lod: 1.0 });
+        assert_eq!(generator.strands().layers.len(), 1);
+        generator.set_groom(&gpu, &Groom::default()).unwrap();
+        assert_eq!(generator.strands().n_strands, 0);
+    }
+
+    #[test]
+    fn a_groom_too_large_for_the_device_is_thinned_with_a_warning() {
+        let gpu = Gpu::headless().unwrap();
+        let library = ShaderLibrary::embedded();
+        let most = gpu.max_storage_binding() / 16;
+        let mut layer =
+            Layer { vertices_per_strand: 128, ..Layer::new("large", Source::HairMesh(Arc::new(falling_hair()))) };
+        layer.n_strands = (most / 128 + most / 1280) as u32;
+        // A device with terabytes has no such limit to test.
+        if layer.n_strands > 3_000_000 {
+            return;
+        }
+        let groom = Groom { layers: vec![layer], ..Groom::default() };
+        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
+        let warnings = generator.set_groom(&gpu, &groom).unwrap();
+        assert!(
+            warnings.len() == 1 && (warnings[0].starts_with("90 %") || warnings[0].starts_with("91 %")),
+            "{warnings:?}"
+        );
+        let lod = generator.mirror().layers[0].lod(1.0);
+        let room = generator.mirror().layers[0].place.unwrap().n_strands;
+        assert!(lod.n_drawn <= room && lod.n_drawn > room * 9 / 10);
+        assert!(lod.scale > 1.05);
+    }
+}

@@ -1,0 +1,377 @@
+//! The groom on the GPU: what of it is there, and that only what changed is sent.
+//!
+//! Each layer keeps what it was made from. The same source, head, count, seed and density keep its guides,
+//! roots and weights; another style sends operators and clump middles; widths, colours and the level of
+//! detail send nothing but the few numbers of a dispatch. All strands of all layers share one vertex
+//! buffer, so that every later pass is one pass.
+
+use std::sync::Arc;
+
+use lorelei_core::binding::{LayerBinding, bind_layer};
+use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
+use lorelei_core::generate::Lod;
+use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::style::{StyleKind, StyleOp};
+use lorelei_shaders::{Gpu, GpuError, ShaderError};
+use wgpu::BufferUsages;
+
+/// Why strands cannot be made on this GPU.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MirrorError {
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(
+        "the guides of layer {layer} need {needed} MiB and the GPU binds {available} MiB at once: import fewer strands or fewer points each"
+    )]
+    TooManyGuides { layer: String, needed: u64, available: u64 },
+}
+
+/// The strands of a layer in the shared buffers. Strand `s` has the vertices from
+/// `first_vertex + s * vertices_per_strand`, and its seed at `first_strand + s`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct DrawnLayer {
+    pub first_vertex: u32,
+    pub first_strand: u32,
+    /// Drawn at the present level of detail.
+    pub n_strands: u32,
+    pub vertices_per_strand: u32,
+    /// Index of the layer in the groom.
+    pub material: u32,
+}
+
+impl DrawnLayer {
+    pub fn n_segments(&self) -> u32 {
+        self.n_strands * (self.vertices_per_strand - 1)
+    }
+}
+
+/// All strands, as the passes after generation read them.
+#[derive(Debug, Clone)]
+pub struct StrandBuffers {
+    /// `array<vec4<f32>>`: place in world centimetres, radius in centimetres.
+    pub vertices: wgpu::Buffer,
+    /// `array<u32>`: hash of each strand's stable id.
+    pub seeds: wgpu::Buffer,
+    /// What is drawn this frame; layers that are hidden or empty are left out.
+    pub layers: Vec<DrawnLayer>,
+    /// Vertices and strands that the buffers have room for.
+    pub n_vertices: u32,
+    pub n_strands: u32,
+    /// Changes when a buffer is another one than before: what was bound must be bound again.
+    pub generation: u64,
+}
+
+/// A layer on the GPU.
+#[derive(Debug)]
+pub(crate) struct LayerMirror {
+    pub(crate) layer: Layer,
+    pub(crate) binding: Arc<LayerBinding>,
+    pub(crate) guides: wgpu::Buffer,
+    pub(crate) strands: wgpu::Buffer,
+    pub(crate) influences: wgpu::Buffer,
+    pub(crate) middles: wgpu::Buffer,
+    pub(crate) ops: wgpu::Buffer,
+    pub(crate) n_ops: u32,
+    /// Place in the shared buffers, with as many strands as there is room for; `None` where hidden.
+    pub(crate) place: Option<DrawnLayer>,
+}
+
+/// The groom's layers and head on the GPU.
+#[derive(Debug)]
+pub struct Mirror {
+    pub(crate) layers: Vec<LayerMirror>,
+    head: Option<Head>,
+    field: Option<Arc<DistanceField>>,
+    pub(crate) field_buffer: wgpu::Buffer,
+    pub(crate) buffers: StrandBuffers,
+}
+
+/// Twin of `Strand` in generate.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct GpuStrand {
+    root_offset: [f32; 3],
+    seed: u32,
+    root_normal: [f32; 3],
+    radius_scale: f32,
+    first_influence: u32,
+    n_influences: u32,
+    pad: [u32; 2],
+}
+
+/// Twin of `Op` in generate.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct GpuOp {
+    kind: u32,
+    size_idx: u32,
+    seed: u32,
+    strength: f32,
+    from: f32,
+    ramp: f32,
+    params: [f32; 3],
+    pad: [f32; 3],
+}
+
+const STORAGE: BufferUsages = BufferUsages::STORAGE;
+
+impl Mirror {
+    pub(crate) fn new(gpu: &Gpu) -> Self {
+        let buffers = StrandBuffers {
+            vertices: gpu.buffer("strands.vertices", 0, STORAGE),
+            seeds: gpu.buffer("strands.seeds", 0, STORAGE),
+            layers: Vec::new(),
+            n_vertices: 0,
+            n_strands: 0,
+            generation: 0,
+        };
+        Self {
+            layers: Vec::new(),
+            head: None,
+            field: None,
+            field_buffer: gpu.buffer("generate.field", 0, STORAGE),
+            buffers,
+        }
+    }
+
+    /// Bring the GPU up to date with the groom. What it returns is to be shown to the user: what did not
+    /// fit.
+    pub(crate) fn set_groom(&mut self, gpu: &Gpu, groom: &Groom) -> Result<Vec<String>, MirrorError> {
+        let mut warnings = Vec::new();
+        let same_head = match (&self.head, &groom.head) {
+            (Some(a), Some(b)) => Arc::ptr_eq(&a.mesh, &b.mesh),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        if !same_head {
+            self.set_head(gpu, groom.head.as_ref(), &mut warnings);
+        }
+        let head = self.head.clone();
+        let mut old: Vec<Option<LayerMirror>> = std::mem::take(&mut self.layers).into_iter().map(Some).collect();
+        for layer in &groom.layers {
+            // A layer is known again by what it was bound from, wherever it has moved to.
+            let known = old
+                .iter_mut()
+                .find(|known| same_head && known.as_ref().is_some_and(|known| binds_alike(&known.layer, layer)));
+            let mirror = match known.and_then(Option::take) {
+                Some(mut known) => {
+                    known.restyle(gpu, layer);
+                    known
+                }
+                None => LayerMirror::new(gpu, layer, head.as_ref())?,
+            };
+            self.layers.push(mirror);
+        }
+        self.place_layers(gpu, &mut warnings)?;
+        Ok(warnings)
+    }
+
+    fn set_head(&mut self, gpu: &Gpu, head: Option<&Head>, warnings: &mut Vec<String>) {
+        self.head = head.cloned();
+        self.field = head.and_then(|head| match DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION) {
+            Ok(field) => Some(Arc::new(field)),
+            Err(error) => {
+                warnings.push(format!("Strands are not kept out of {}: {error}", head.name));
+                None
+            }
+        });
+        let values = self.field.as_ref().map_or(&[] as &[f32], |field| &field.values);
+        self.field_buffer = gpu.buffer_of("generate.field", values, STORAGE);
+    }
+
+    /// Give every visible layer its room in the shared buffers.
+    fn place_layers(&mut self, gpu: &Gpu, warnings: &mut Vec<String>) -> Result<(), MirrorError> {
+        let vertices_of = |mirror: &LayerMirror| u64::from(mirror.layer.vertices_per_strand.clamp(4, 128));
+        let wanted: u64 = self
+            .layers
+            .iter()
+            .filter(|mirror| mirror.layer.visible)
+            .map(|mirror| mirror.binding.n_strands() as u64 * vertices_of(mirror))
+            .sum();
+        let most = gpu.max_storage_binding() / 16;
+        let share = if wanted > most { most as f64 / wanted as f64 } else { 1.0 };
+        if share < 1.0 {
+            warnings.push(format!(
+                "{:.0} % of the strands are drawn, wider: all of them need {} MiB and this GPU binds {} MiB at once. Fewer vertices a strand would fit.",
+                100.0 * share,
+                wanted >> 16,
+                most >> 16
+            ));
+        }
+        let (mut n_vertices, mut n_strands) = (0_u64, 0_u64);
+        let mut seeds = Vec::new();
+        for (layer_idx, mirror) in self.layers.iter_mut().enumerate() {
+            let n = (mirror.binding.n_strands() as f64 * share) as u64;
+            mirror.place = (mirror.layer.visible && n > 0).then_some(DrawnLayer {
+                first_vertex: n_vertices as u32,
+                first_strand: n_strands as u32,
+                n_strands: n as u32,
+                vertices_per_strand: vertices_of(mirror) as u32,
+                material: layer_idx as u32,
+            });
+            if mirror.place.is_some() {
+                n_vertices += n * vertices_of(mirror);
+                n_strands += n;
+                seeds.extend_from_slice(&mirror.binding.seeds[..n as usize]);
+            }
+        }
+        let buffers = &mut self.buffers;
+        let size = (n_vertices * 16).max(16);
+        if buffers.vertices.size() < size || buffers.vertices.size() > 2 * size {
+            buffers.vertices = gpu.checked(|| gpu.buffer("strands.vertices", size, STORAGE | BufferUsages::VERTEX))?;
+            buffers.generation += 1;
+        }
+        let size = (n_strands * 4).max(16);
+        if buffers.seeds.size() < size || buffers.seeds.size() > 2 * size {
+            buffers.seeds = gpu.checked(|| gpu.buffer("strands.seeds", size, STORAGE))?;
+            buffers.generation += 1;
+        }
+        gpu.queue.write_buffer(&buffers.seeds, 0, bytemuck::cast_slice(&seeds));
+        (buffers.n_vertices, buffers.n_strands) = (n_vertices as u32, n_strands as u32);
+        buffers.layers.clear();
+        Ok(())
+    }
+
+    /// The head's distance field, head space.
+    pub fn field(&self) -> Option<&Arc<DistanceField>> {
+        self.field.as_ref()
+    }
+
+    /// What a layer's strands hang on; its guides are what a solver moves.
+    pub fn binding(&self, layer_idx: usize) -> Option<&Arc<LayerBinding>> {
+        Some(&self.layers.get(layer_idx)?.binding)
+    }
+
+    /// The strands as the last recorded frame has them.
+    pub fn strands(&self) -> &StrandBuffers {
+        &self.buffers
+    }
+
+    /// Bytes of all buffers of strands, guides and weights.
+    pub fn n_bytes(&self) -> u64 {
+        let of_layer = |mirror: &LayerMirror| {
+            [&mirror.guides, &mirror.strands, &mirror.influences, &mirror.middles, &mirror.ops]
+                .iter()
+                .map(|buffer| buffer.size())
+                .sum::<u64>()
+        };
+        self.layers.iter().map(of_layer).sum::<u64>()
+            + self.buffers.vertices.size()
+            + self.buffers.seeds.size()
+            + self.field_buffer.size()
+    }
+}
+
+impl LayerMirror {
+    fn new(gpu: &Gpu, layer: &Layer, head: Option<&Head>) -> Result<Self, MirrorError> {
+        let binding = bind_layer(layer, head);
+        let available = gpu.max_storage_binding();
+        let needed = 16 * binding.guides.positions.len() as u64;
+        if needed > available {
+            let (needed, available) = (needed >> 20, available >> 20);
+            return Err(MirrorError::TooManyGuides { layer: layer.name.clone(), needed, available });
+        }
+        let guides: Vec<[f32; 4]> = binding.guides.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
+        let strands: Vec<GpuStrand> = (0..binding.n_strands())
+            .map(|s| GpuStrand {
+                root_offset: binding.root_offsets[s].to_array(),
+                seed: binding.seeds[s],
+                root_normal: binding.root_normals[s].to_array(),
+                radius_scale: binding.radius_scales.get(s).copied().unwrap_or(1.0),
+                first_influence: binding.influence_offsets[s],
+                n_influences: binding.influence_offsets[s + 1] - binding.influence_offsets[s],
+                pad: [0; 2],
+            })
+            .collect();
+        let mut mirror = gpu.checked(|| Self {
+            layer: layer.clone(),
+            guides: gpu.buffer_of("strands.guides", &guides, STORAGE | BufferUsages::COPY_SRC),
+            strands: gpu.buffer_of("generate.strands", &strands, STORAGE),
+            influences: gpu.buffer_of("generate.influences", &binding.influences, STORAGE),
+            middles: gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE),
+            ops: gpu.buffer("generate.ops", 16, STORAGE),
+            n_ops: 0,
+            binding: Arc::new(binding),
+            place: None,
+        })?;
+        mirror.send_ops(gpu);
+        Ok(mirror)
+    }
+
+    /// Take over a layer that is bound alike.
+    fn restyle(&mut self, gpu: &Gpu, layer: &Layer) {
+        let same_style = self.layer.style == layer.style;
+        self.layer = layer.clone();
+        if same_style {
+            return;
+        }
+        let mut binding = LayerBinding::clone(&self.binding);
+        binding.restyle(&layer.style);
+        if binding.clumps != self.binding.clumps {
+            self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
+            self.binding = Arc::new(binding);
+        }
+        self.send_ops(gpu);
+    }
+
+    fn send_ops(&mut self, gpu: &Gpu) {
+        let active = self.layer.style.iter().filter(|op| op.on && op.strength != 0.0);
+        let ops: Vec<GpuOp> = active.map(|op| gpu_op(op, &self.binding)).collect();
+        self.n_ops = ops.len() as u32;
+        self.ops = gpu.buffer_of("generate.ops", &ops, STORAGE);
+    }
+
+    /// Strands drawn at a level of detail, and their widths.
+    pub(crate) fn lod(&self, lod: f32) -> Lod {
+        let n_room = self.place.map_or(0, |place| place.n_strands);
+        let mut lod = Lod::new(self.binding.n_strands(), lod.min(self.most_lod()));
+        lod.n_drawn = lod.n_drawn.min(n_room);
+        lod
+    }
+
+    /// The level of detail at which the layer's room is full.
+    fn most_lod(&self) -> f32 {
+        let n = self.binding.n_strands() as f32;
+        let n_room = self.place.map_or(0, |place| place.n_strands) as f32;
+        if n_room >= n { 1.0 } else { n_room / n / (1.0 + lorelei_core::generate::LOD_FADE) }
+    }
+}
+
+/// Do two layers have the same guides, roots and weights?
+fn binds_alike(a: &Layer, b: &Layer) -> bool {
+    let same_source = match (&a.source, &b.source) {
+        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
+        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
+        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
+    };
+    let same_density = match (&a.density, &b.density) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) => false,
+    };
+    same_source && same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
+}
+
+fn gpu_op(op: &StyleOp, binding: &LayerBinding) -> GpuOp {
+    let (kind, params) = match op.kind {
+        StyleKind::Length { variation, .. } => (0, [variation, 0.0, 0.0]),
+        StyleKind::Clump { flare, stray, .. } => (1, [flare, stray, 0.0]),
+        StyleKind::Wave { amplitude, wavelength, .. } => (2, [amplitude, wavelength, 0.0]),
+        StyleKind::Curl { radius, pitch, loosen, .. } => (3, [radius, pitch, loosen]),
+        StyleKind::Frizz { amplitude, wavelength, .. } => (4, [amplitude, wavelength, 0.0]),
+        StyleKind::Deviate { share, amplitude, lift } => (5, [share, amplitude, lift]),
+    };
+    GpuOp {
+        kind,
+        size_idx: binding.clumps.size_idx(op.kind).map_or(u32::MAX, |idx| idx as u32),
+        seed: op.seed,
+        strength: op.strength,
+        from: op.from,
+        ramp: op.ramp,
+        params,
+        pad: [0.0; 3],
+    }
+}
