@@ -3,3 +3,5 @@
 pub mod exact;
 pub mod generate;
 pub mod mirror;
+pub mod ribbons;
+pub mod view;
