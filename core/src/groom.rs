@@ -17,6 +17,7 @@ use crate::style::StyleOp;
 ///
 /// Large parts are behind `Arc`: a clone is cheap, and `Arc::ptr_eq` tells what changed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Groom {
     pub name: String,
     pub head: Option<Head>,
@@ -48,6 +49,7 @@ pub struct Head {
 
 /// Strands that share a source, a style and a material.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Layer {
     pub name: String,
     pub visible: bool,
@@ -208,6 +210,13 @@ impl Groom {
     /// Strands of all visible layers at level of detail 1.
     pub fn n_strands(&self) -> usize {
         self.layers.iter().filter(|layer| layer.visible).map(|layer| layer.n_strands as usize).sum()
+    }
+}
+
+impl Default for Layer {
+    /// A layer without strands.
+    fn default() -> Self {
+        Self::new("Layer", Source::Strands(Arc::default()))
     }
 }
 

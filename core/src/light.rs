@@ -7,6 +7,7 @@ use crate::camera::direction_from_deg;
 
 /// One light. Colours are linear RGB in Rec. 709 primaries.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Light {
     pub name: String,
     pub on: bool,
@@ -25,6 +26,12 @@ pub enum LightKind {
     Directional { azimuth_deg: f32, elevation_deg: f32 },
     /// A point (small sphere) in world centimetres. `intensity` holds at the distance of the rig's target.
     Point { position: Vec3 },
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self::directional("light", 30.0, 40.0, 1.0, [1.0; 3])
+    }
 }
 
 impl Light {

@@ -1,0 +1,8 @@
+//! Any bytes under the name of a .obj file: a mesh or an error.
+#![no_main]
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    if let Ok(import) = lorelei_core::io::read_mesh_from_bytes("fuzz.obj", bytes) {
+        import.place();
+    }
+});
