@@ -1,0 +1,339 @@
+//! The law of one strand over one step. Twin of `sim_strand.wgsl`: same names, same order.
+//!
+//! A strand is a chain of equal masses, integrated by Verlet's rule, then corrected in position (Müller et
+//! al. 2007; SIGGRAPH 2010 course on real-time hair, "one simulation step"):
+//!
+//! 1. `integrate`: the first two vertices follow the head; the others keep their velocity, less damping and
+//!    air, plus gravity.
+//! 2. `solve_lengths`: one Newton step on all lengths at once. Two batches alone spread a pull by two
+//!    vertices an iteration and stretch a shaken chain of 32 vertices by a third.
+//! 3. Every iteration: `bend` and `hold` towards the shape at rest, lengths in two disjoint batches, `collide`.
+//! 4. `close_lengths`: what error is left goes from root to tip, so that lengths are exact in every picture.
+//!
+//! **Gravity at rest.** The styled shape is what hair looks like *under* gravity: so the solver knows gravity
+//! by what changes. Every vertex is a pendulum about where it rests, as long as the strand is from the root to
+//! it: displaced by d it is pulled back by g d / sqrt(s^2 + d^2), g times the sine of the swing. And a head
+//! that tilts by R adds g - R g. So a head at rest keeps its style to the last bit, curls and all; long hair
+//! swings slowly and short hair fast; a bowed head's hair falls by as much as a rigid pendulum would. Rejected
+//! after trying: a support of -g that turns with the strand's own frame, at every vertex or at both ends of
+//! every edge. It is exact at rest too, but a follower force: it has no potential, and shaken curls drew energy
+//! from it and never came to rest. Solving for a weightless shape that sags into the style: soft or curly
+//! strands have many such shapes or none, and those that lie on the head have none at all.
+//!
+//! **The strand's own frame.** The rotation R of an edge from its rest direction is carried from root to tip
+//! without twist, each edge adding the shortest turn. So curls keep their shape while the strand swings. The
+//! carried frame makes bending a follower force again; what energy it can give, the friction between
+//! neighbouring vertices takes (measured: without it a shaken coil of 15 cm still moves at 70 cm/s after 6 s,
+//! with it at 0.3).
+
+use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::simulation::SimulationSettings;
+
+use crate::clock::{Pose, rotate};
+use crate::rest::Obstacles;
+
+/// Vertices at the root that follow the head: the root, and the next one for the growing direction.
+pub const N_PINNED: usize = 2;
+/// Shortest edge for stiffness, centimetres: shorter ones would only be stiffer than a float can tell.
+const MIN_EDGE: f32 = 0.05;
+/// Rate at which neighbouring vertices of a strand lose their difference in velocity, 1/s. Measured: 50 is
+/// the least that lets shaken curls come to rest; it leaves the swing of the whole strand alone.
+const RUB: f32 = 50.0;
+/// Faster hair is not seen, only missed: cm/s.
+const MAX_SPEED: f32 = 3000.0;
+/// Standard gravity, by which `bend_length` becomes a stiffness; not the scene's gravity, cm/s2.
+const STANDARD_GRAVITY: f32 = 981.0;
+
+/// [`SimulationSettings`] made ready for steps: finite, bounded, multiplied out. Layout of `StepParams` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct StepParams {
+    /// Displacement by gravity in a step, cm.
+    pub gravity_step: [f32; 3],
+    /// Share of the velocity relative to the head that a step keeps.
+    pub keep: f32,
+    /// Displacement of the air in a step, cm.
+    pub wind_step: [f32; 3],
+    /// Share of the air's velocity that a step takes up.
+    pub take_up: f32,
+    /// Bending stiffness times the step squared, over the iterations, cm^4.
+    pub bend: f32,
+    /// Hold at the root times the step squared, over the iterations.
+    pub hold: f32,
+    /// cm.
+    pub hold_length: f32,
+    /// cm.
+    pub margin: f32,
+    pub friction: f32,
+    /// cm.
+    pub max_displacement: f32,
+    pub n_iterations: u32,
+    pub step_secs: f32,
+    /// Share of the difference to each neighbour's velocity that a step takes away.
+    pub rub: f32,
+    pub pad: [f32; 3],
+}
+
+impl StepParams {
+    /// Settings from a file can be anything: what is not finite becomes the default, the rest is bounded.
+    pub fn new(settings: &SimulationSettings) -> Self {
+        let default = SimulationSettings::default();
+        let bounded = |value: f32, default: f32, min: f32, max: f32| {
+            if value.is_finite() { value.clamp(min, max) } else { default }
+        };
+        let dt = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
+        let n_iterations = settings.n_iterations.clamp(1, 64);
+        let wind = settings.wind();
+        let wind = if wind.is_finite() { wind.clamp_length_max(1e4) } else { Vec3::ZERO };
+        let gravity = bounded(settings.gravity, default.gravity, -1e4, 1e4);
+        let bend_length = bounded(settings.bend_length, default.bend_length, 0.0, 100.0);
+        let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
+        Self {
+            gravity_step: [0.0, -gravity * dt * dt, 0.0],
+            keep: (-bounded(settings.damping, default.damping, 0.0, 1e3) * dt).exp(),
+            wind_step: (wind * dt).to_array(),
+            take_up: 1.0 - (-bounded(settings.drag, default.drag, 0.0, 1e3) * dt).exp(),
+            // A lock of length l under its own weight bends by about 1 where l^3 g = B: B = g l^3.
+            bend: STANDARD_GRAVITY * bend_length.powi(3) * dt * dt / n_iterations as f32,
+            hold: hold * hold * dt * dt / n_iterations as f32,
+            hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
+            margin: bounded(settings.collision_margin, default.collision_margin, 0.0, 10.0),
+            friction: bounded(settings.friction, default.friction, 0.0, 100.0),
+            max_displacement: MAX_SPEED * dt,
+            n_iterations,
+            step_secs: dt,
+            rub: (RUB * dt).min(0.25),
+            pad: [0.0; 3],
+        }
+    }
+}
+
+/// One strand's arrays, all of one length.
+#[derive(Debug)]
+pub struct Strand<'a> {
+    /// xyz head space, w the distance from the obstacles at rest.
+    pub rest: &'a [Vec4],
+    /// xyz world now, w scratch of `solve_lengths`.
+    pub x: &'a mut [Vec4],
+    /// xyz world one step ago, w scratch of `solve_lengths`.
+    pub prev: &'a mut [Vec4],
+}
+
+/// One step: the head goes from `before` to `after`.
+pub fn step_strand(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
+    integrate(s, p, before, after);
+    solve_lengths(s);
+    for _ in 0..p.n_iterations {
+        bend(s, p, after);
+        hold(s, p, after);
+        length_batch(s, 0);
+        length_batch(s, 1);
+        collide(s, p, obstacles, before, after);
+    }
+    close_lengths(s);
+    recover(s, after);
+}
+
+/// Verlet's rule. Pinned vertices go with the head.
+fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
+    let carry = after.after_inverse_of(&before);
+    let gravity_step = Vec3::from_array(p.gravity_step);
+    // What gravity has become for a head that is not upright: zero while it is.
+    let tilt = gravity_step - rotate(before.rotation, gravity_step);
+    let mut from_root = 0.0;
+    let mut own_below = Vec3::ZERO;
+    for k in 0..s.x.len() {
+        let x = s.x[k].xyz();
+        let previous = s.prev[k].xyz();
+        set(&mut s.prev[k], x);
+        if k > 0 {
+            from_root += s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        }
+        if k < N_PINNED {
+            set(&mut s.x[k], after.apply(s.rest[k].xyz()));
+        } else {
+            // Compute the velocity relative to the head, and level it out with the neighbours'.
+            let with_head = carry.apply(x) - x;
+            let own = x - previous - with_head;
+            let mut own_above = own;
+            if k + 1 < s.x.len() {
+                let above = s.x[k + 1].xyz();
+                own_above = above - s.prev[k + 1].xyz() - (carry.apply(above) - above);
+            }
+            let levelled = own + p.rub * (own_below + own_above - 2.0 * own);
+            own_below = own;
+            let mut v = with_head + p.keep * levelled;
+            v += p.take_up * (Vec3::from_array(p.wind_step) - v);
+            let aside = x - before.apply(s.rest[k].xyz());
+            let pendulum = -aside
+                * (gravity_step.length() / (from_root * from_root + aside.length_squared()).sqrt().max(MIN_EDGE));
+            set(&mut s.x[k], x + clamp_length(v, p.max_displacement) + tilt + pendulum);
+        }
+    }
+}
+
+/// One Newton step on all lengths: the tridiagonal system of their multipliers, by Thomas's algorithm.
+fn solve_lengths(s: &mut Strand<'_>) {
+    let n = s.x.len();
+    let mut normal_below = Vec3::ZERO;
+    // After elimination, multiplier k is d[k] - c[k] * multiplier k + 1; c is in x.w, d in prev.w.
+    let (mut c, mut d) = (0.0, 0.0);
+    for k in N_PINNED..n {
+        let edge = s.x[k].xyz() - s.x[k - 1].xyz();
+        let length = edge.length();
+        let normal = normalize_or_zero(edge);
+        let error = length - s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        let w_below = if k > N_PINNED { 1.0 } else { 0.0 };
+        let a = -w_below * normal_below.dot(normal);
+        let above = if k + 1 < n { normalize_or_zero(s.x[k + 1].xyz() - s.x[k].xyz()) } else { Vec3::ZERO };
+        let pivot = 1.0 + w_below - a * c;
+        d = (error - a * d) / pivot;
+        c = -normal.dot(above) / pivot;
+        s.x[k].w = c;
+        s.prev[k].w = d;
+        normal_below = normal;
+    }
+    let mut above = Vec3::ZERO;
+    let mut multiplier_above = 0.0;
+    for k in (N_PINNED..n).rev() {
+        let normal = normalize_or_zero(s.x[k].xyz() - s.x[k - 1].xyz());
+        let multiplier = s.prev[k].w - s.x[k].w * multiplier_above;
+        let x = s.x[k].xyz() - multiplier * normal + multiplier_above * above;
+        set(&mut s.x[k], x);
+        above = normal;
+        multiplier_above = multiplier;
+    }
+}
+
+/// Bend every joint towards its angle at rest, in the frame carried from the root. Both ends of the edge move:
+/// linear momentum is kept.
+fn bend(s: &mut Strand<'_>, p: &StepParams, after: Pose) {
+    let n = s.x.len();
+    let mut frame = after.rotation;
+    for k in 1..n - 1 {
+        let rest_below = s.rest[k].xyz() - s.rest[k - 1].xyz();
+        let rest_edge = s.rest[k + 1].xyz() - s.rest[k].xyz();
+        let goal = rotate(frame, rest_edge);
+        let deviation = s.x[k + 1].xyz() - s.x[k].xyz() - goal;
+        let h = (0.5 * (rest_below.length() + rest_edge.length())).max(MIN_EDGE);
+        let stiffness = p.bend / (h * h * h * h);
+        let w_joint = weight(k);
+        let share = stiffness / (1.0 + stiffness * (1.0 + w_joint));
+        let top = s.x[k + 1].xyz() - share * deviation;
+        let joint = s.x[k].xyz() + w_joint * share * deviation;
+        set(&mut s.x[k + 1], top);
+        set(&mut s.x[k], joint);
+        frame = shortest_turn(goal, top - joint) * frame;
+    }
+}
+
+/// Spring back towards the style, strongest at the root.
+fn hold(s: &mut Strand<'_>, p: &StepParams, after: Pose) {
+    let mut from_root = s.rest[1].xyz().distance(s.rest[0].xyz());
+    for k in N_PINNED..s.x.len() {
+        from_root += s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        let stiffness = p.hold * (-from_root / p.hold_length).exp();
+        let x = s.x[k].xyz();
+        set(&mut s.x[k], x + (after.apply(s.rest[k].xyz()) - x) * (stiffness / (1.0 + stiffness)));
+    }
+}
+
+/// Lengths of every second edge: the edges of one batch share no vertex.
+fn length_batch(s: &mut Strand<'_>, batch: usize) {
+    for k in (N_PINNED + batch..s.x.len()).step_by(2) {
+        let edge = s.x[k].xyz() - s.x[k - 1].xyz();
+        let error = edge.length() - s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        let w_below = weight(k - 1);
+        let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
+        let (below, x) = (s.x[k - 1].xyz() + w_below * correction, s.x[k].xyz() - correction);
+        set(&mut s.x[k - 1], below);
+        set(&mut s.x[k], x);
+    }
+}
+
+/// Push vertices out to the margin, or to where they rest if that is nearer. A contact takes the velocity
+/// along its normal and, by Coulomb's law, some of that along the surface; it never adds any.
+fn collide(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
+    let carry = after.after_inverse_of(&before);
+    for k in N_PINNED..s.x.len() {
+        let x = s.x[k].xyz();
+        let (distance, normal_in_head) = obstacles.distance_and_normal(after.apply_inverse(x));
+        let push = p.margin.min(s.rest[k].w) - distance;
+        if push > 0.0 {
+            let normal = rotate(after.rotation, normal_in_head);
+            let pushed = x + push * normal;
+            let slid = pushed - carry.apply(s.prev[k].xyz());
+            let along = slid - slid.dot(normal) * normal;
+            let hold_back = (p.friction * push / along.length().max(1e-9)).min(1.0);
+            set(&mut s.x[k], pushed - hold_back * along);
+            let prev = s.prev[k].xyz() + slid.dot(normal) * normal;
+            set(&mut s.prev[k], prev);
+        }
+    }
+}
+
+/// Put every vertex at its exact distance from the one below.
+fn close_lengths(s: &mut Strand<'_>) {
+    for k in N_PINNED..s.x.len() {
+        let below = s.x[k - 1].xyz();
+        let edge = s.x[k].xyz() - below;
+        let length = edge.length();
+        let rest_length = s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        let x = s.x[k].xyz() + edge * ((rest_length - length) / length.max(1e-9));
+        set(&mut s.x[k], x);
+    }
+}
+
+/// A strand that is not finite starts again from rest.
+fn recover(s: &mut Strand<'_>, after: Pose) {
+    let mut sum = 0.0;
+    for k in 0..s.x.len() {
+        sum += (s.x[k].xyz() - s.prev[k].xyz()).abs().element_sum();
+    }
+    // False for NaN and infinity too.
+    if sum < 1e15 {
+        return;
+    }
+    for k in 0..s.x.len() {
+        let x = after.apply(s.rest[k].xyz());
+        set(&mut s.x[k], x);
+        set(&mut s.prev[k], x);
+    }
+}
+
+/// Inverse mass: nothing moves a pinned vertex.
+fn weight(k: usize) -> f32 {
+    if k < N_PINNED { 0.0 } else { 1.0 }
+}
+
+fn set(vertex: &mut Vec4, p: Vec3) {
+    *vertex = p.extend(vertex.w);
+}
+
+/// The smallest rotation that takes the direction of `from` to that of `to`.
+pub fn shortest_turn(from: Vec3, to: Vec3) -> Quat {
+    let scale = (from.length_squared() * to.length_squared()).sqrt();
+    if scale < 1e-12 {
+        return Quat::IDENTITY;
+    }
+    let w = scale + from.dot(to);
+    if w < 1e-5 * scale {
+        // Half a turn about any axis across.
+        let across = if from.x.abs() < from.y.abs().max(from.z.abs()) { Vec3::X } else { Vec3::Y };
+        let axis = normalize_or_zero(from.cross(across));
+        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
+    }
+    let axis = from.cross(to);
+    let length = (axis.length_squared() + w * w).sqrt();
+    Quat::from_xyzw(axis.x / length, axis.y / length, axis.z / length, w / length)
+}
+
+fn normalize_or_zero(v: Vec3) -> Vec3 {
+    let length = v.length();
+    if length > 1e-9 { v / length } else { Vec3::ZERO }
+}
+
+fn clamp_length(v: Vec3, max: f32) -> Vec3 {
+    let length = v.length();
+    if length > max { v * (max / length) } else { v }
+}

@@ -1,0 +1,4 @@
+//! The laws that both solvers keep, and that they agree.
+
+mod grooms;
+mod laws;
