@@ -6,9 +6,11 @@
 
 pub mod clock;
 pub mod cpu;
+pub mod gpu;
 pub mod measure;
 pub mod rest;
 pub mod strand;
 
 pub use cpu::CpuSolver;
+pub use gpu::GpuSolver;
 pub use measure::{Measure, measure};

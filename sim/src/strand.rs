@@ -130,7 +130,7 @@ pub fn step_strand(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>,
         length_batch(s, 1);
         collide(s, p, obstacles, before, after);
     }
-    close_lengths(s);
+    close_lengths(s, after);
     recover(s, after);
 }
 
@@ -273,13 +273,18 @@ fn collide(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before:
 }
 
 /// Put every vertex at its exact distance from the one below.
-fn close_lengths(s: &mut Strand<'_>) {
+fn close_lengths(s: &mut Strand<'_>, after: Pose) {
     for k in N_PINNED..s.x.len() {
         let below = s.x[k - 1].xyz();
+        let rest_edge = s.rest[k].xyz() - s.rest[k - 1].xyz();
         let edge = s.x[k].xyz() - below;
         let length = edge.length();
-        let rest_length = s.rest[k].xyz().distance(s.rest[k - 1].xyz());
-        let x = s.x[k].xyz() + edge * ((rest_length - length) / length.max(1e-9));
+        // Vertices at one place have no direction: take the one at rest.
+        let x = if length > 1e-6 {
+            s.x[k].xyz() + edge * ((rest_edge.length() - length) / length)
+        } else {
+            below + rotate(after.rotation, rest_edge)
+        };
         set(&mut s.x[k], x);
     }
 }

@@ -2,3 +2,4 @@
 
 mod grooms;
 mod laws;
+mod twins;

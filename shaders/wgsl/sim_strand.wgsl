@@ -1,0 +1,424 @@
+// Strand dynamics: the twin of sim/src/strand.rs, function by function. That file says why each step is as it is.
+//
+// One thread takes one strand through all of a frame's steps. A thread for every vertex, with workgroup memory and
+// barriers between the batches, was measured against it: see docs in sim/src/gpu.rs.
+
+struct StepParams {
+    // Displacement by gravity in a step, cm.
+    gravity_step: vec3<f32>,
+    // Share of the velocity relative to the head that a step keeps.
+    keep: f32,
+    // Displacement of the air in a step, cm.
+    wind_step: vec3<f32>,
+    // Share of the air's velocity that a step takes up.
+    take_up: f32,
+    bend: f32,
+    hold: f32,
+    hold_length: f32,
+    margin: f32,
+    friction: f32,
+    max_displacement: f32,
+    n_iterations: u32,
+    step_secs: f32,
+    // Share of the difference to each neighbour's velocity that a step takes away.
+    rub: f32,
+    pad_0: f32,
+    pad_1: f32,
+    pad_2: f32,
+}
+
+struct Pose {
+    rotation: vec4<f32>,
+    translation: vec4<f32>,
+}
+
+struct Params {
+    step: StepParams,
+    field_min: vec3<f32>,
+    field_cell: f32,
+    // Nodes of the head's distance field; x is 0 where there is none.
+    field_n: vec3<u32>,
+    n_spheres: u32,
+    n_guides: u32,
+    n_vertices: u32,
+    n_steps: u32,
+    // How far the picture is past the last step, in steps.
+    ahead: f32,
+    // 1: move everything by `carry` first.
+    carried: u32,
+    pad_0: u32,
+    pad_1: u32,
+    pad_2: u32,
+    carry: Pose,
+    // The head as the picture shows it.
+    shown: Pose,
+    // The head before the first step, then after each.
+    poses: array<Pose, 65>,
+}
+
+@group(0) @binding(auto) var<uniform> params: Params;
+// xyz head space, w the distance from the obstacles at rest. Vertex k of guide g at g * n_vertices + k.
+@group(0) @binding(auto) var<storage, read> rest: array<vec4<f32>>;
+// xyz world now, w scratch of solve_lengths.
+@group(0) @binding(auto) var<storage, read_write> present: array<vec4<f32>>;
+// xyz world one step ago, w scratch of solve_lengths.
+@group(0) @binding(auto) var<storage, read_write> before_that: array<vec4<f32>>;
+// What the picture shows.
+@group(0) @binding(auto) var<storage, read_write> positions: array<vec4<f32>>;
+@group(0) @binding(auto) var<storage, read> field_values: array<f32>;
+// Centre and radius.
+@group(0) @binding(auto) var<storage, read> spheres: array<vec4<f32>>;
+
+const N_PINNED = 2u;
+const MIN_EDGE = 0.05;
+const NOTHING_NEAR = 1e9;
+
+// First vertex of this thread's strand.
+var<private> base: u32;
+
+fn rest_at(k: u32) -> vec3<f32> {
+    return rest[base + k].xyz;
+}
+
+fn x_at(k: u32) -> vec3<f32> {
+    return present[base + k].xyz;
+}
+
+fn prev_at(k: u32) -> vec3<f32> {
+    return before_that[base + k].xyz;
+}
+
+fn set_x(k: u32, p: vec3<f32>) {
+    present[base + k] = vec4<f32>(p, present[base + k].w);
+}
+
+fn set_prev(k: u32, p: vec3<f32>) {
+    before_that[base + k] = vec4<f32>(p, before_that[base + k].w);
+}
+
+// Inverse mass: nothing moves a pinned vertex.
+fn weight(k: u32) -> f32 {
+    return select(1.0, 0.0, k < N_PINNED);
+}
+
+fn normalize_or_zero(v: vec3<f32>) -> vec3<f32> {
+    let l = length(v);
+    if l > 1e-9 {
+        return v / l;
+    }
+    return vec3<f32>(0.0);
+}
+
+fn clamp_length(v: vec3<f32>, largest: f32) -> vec3<f32> {
+    let l = length(v);
+    if l > largest {
+        return v * (largest / l);
+    }
+    return v;
+}
+
+// Quaternions are (x, y, z, w), unit length.
+fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+    let t = 2.0 * cross(q.xyz, v);
+    return v + q.w * t + cross(q.xyz, t);
+}
+
+fn conjugate(q: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(-q.xyz, q.w);
+}
+
+// First b, then a.
+fn multiply(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
+}
+
+fn pose_apply(pose: Pose, p: vec3<f32>) -> vec3<f32> {
+    return rotate(pose.rotation, p) + pose.translation.xyz;
+}
+
+fn pose_apply_inverse(pose: Pose, p: vec3<f32>) -> vec3<f32> {
+    return rotate(conjugate(pose.rotation), p - pose.translation.xyz);
+}
+
+// First the inverse of `before`, then `after`.
+fn after_inverse_of(after: Pose, before: Pose) -> Pose {
+    let rotation = normalize(multiply(after.rotation, conjugate(before.rotation)));
+    let translation = after.translation.xyz - rotate(rotation, before.translation.xyz);
+    return Pose(rotation, vec4<f32>(translation, 0.0));
+}
+
+// The smallest rotation that takes the direction of `a` to that of `b`.
+fn shortest_turn(a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
+    let scale = sqrt(dot(a, a) * dot(b, b));
+    if scale < 1e-12 {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    let w = scale + dot(a, b);
+    if w < 1e-5 * scale {
+        var across = vec3<f32>(0.0, 1.0, 0.0);
+        if abs(a.x) < max(abs(a.y), abs(a.z)) {
+            across = vec3<f32>(1.0, 0.0, 0.0);
+        }
+        return vec4<f32>(normalize_or_zero(cross(a, across)), 0.0);
+    }
+    let axis = cross(a, b);
+    return vec4<f32>(axis, w) / sqrt(dot(axis, axis) + w * w);
+}
+
+fn field_value(node: vec3<u32>) -> f32 {
+    return field_values[node.x + params.field_n.x * (node.y + params.field_n.y * node.z)];
+}
+
+// Gradient (xyz) and trilinear distance (w) of the head's field.
+fn field_sample(p: vec3<f32>) -> vec4<f32> {
+    let in_cells = (p - params.field_min) / params.field_cell;
+    let inside = clamp(in_cells, vec3<f32>(0.0), vec3<f32>(params.field_n - 1u));
+    let corner = min(vec3<u32>(inside), params.field_n - 2u);
+    let t = inside - vec3<f32>(corner);
+    let outside = length(in_cells - inside) * params.field_cell;
+    let c0 = field_value(corner);
+    let c1 = field_value(corner + vec3<u32>(1u, 0u, 0u));
+    let c2 = field_value(corner + vec3<u32>(0u, 1u, 0u));
+    let c3 = field_value(corner + vec3<u32>(1u, 1u, 0u));
+    let c4 = field_value(corner + vec3<u32>(0u, 0u, 1u));
+    let c5 = field_value(corner + vec3<u32>(1u, 0u, 1u));
+    let c6 = field_value(corner + vec3<u32>(0u, 1u, 1u));
+    let c7 = field_value(corner + vec3<u32>(1u, 1u, 1u));
+    let y0 = mix(mix(c0, c1, t.x), mix(c2, c3, t.x), t.y);
+    let y1 = mix(mix(c4, c5, t.x), mix(c6, c7, t.x), t.y);
+    let dx = mix(mix(c1 - c0, c3 - c2, t.y), mix(c5 - c4, c7 - c6, t.y), t.z);
+    let dy = mix(mix(c2 - c0, c3 - c1, t.x), mix(c6 - c4, c7 - c5, t.x), t.z);
+    let dz = mix(mix(c4 - c0, c5 - c1, t.x), mix(c6 - c2, c7 - c3, t.x), t.y);
+    return vec4<f32>(vec3<f32>(dx, dy, dz) / params.field_cell, mix(y0, y1, t.z) + outside);
+}
+
+// Direction away from the nearest obstacle (xyz, unit or zero) and the distance to it (w).
+fn normal_and_distance(p: vec3<f32>) -> vec4<f32> {
+    var nearest = vec4<f32>(0.0, 1.0, 0.0, NOTHING_NEAR);
+    if params.field_n.x > 0u {
+        let sampled = field_sample(p);
+        nearest = vec4<f32>(normalize_or_zero(sampled.xyz), min(sampled.w, NOTHING_NEAR));
+    }
+    for (var i = 0u; i < params.n_spheres; i++) {
+        let from_centre = p - spheres[i].xyz;
+        let l = length(from_centre);
+        if l - spheres[i].w < nearest.w {
+            var normal = vec3<f32>(0.0, 1.0, 0.0);
+            if l > 1e-9 {
+                normal = from_centre / l;
+            }
+            nearest = vec4<f32>(normal, l - spheres[i].w);
+        }
+    }
+    return nearest;
+}
+
+// Verlet's rule. Pinned vertices go with the head.
+fn integrate(before: Pose, after: Pose) {
+    let n = params.n_vertices;
+    let carry = after_inverse_of(after, before);
+    let gravity_step = params.step.gravity_step;
+    let tilt = gravity_step - rotate(before.rotation, gravity_step);
+    var from_root = 0.0;
+    var own_below = vec3<f32>(0.0);
+    for (var k = 0u; k < n; k++) {
+        let x = x_at(k);
+        let previous = prev_at(k);
+        set_prev(k, x);
+        if k > 0u {
+            from_root += distance(rest_at(k), rest_at(k - 1u));
+        }
+        if k < N_PINNED {
+            set_x(k, pose_apply(after, rest_at(k)));
+        } else {
+            let with_head = pose_apply(carry, x) - x;
+            let own = x - previous - with_head;
+            var own_above = own;
+            if k + 1u < n {
+                let above = x_at(k + 1u);
+                own_above = above - prev_at(k + 1u) - (pose_apply(carry, above) - above);
+            }
+            let levelled = own + params.step.rub * (own_below + own_above - 2.0 * own);
+            own_below = own;
+            var v = with_head + params.step.keep * levelled;
+            v += params.step.take_up * (params.step.wind_step - v);
+            let aside = x - pose_apply(before, rest_at(k));
+            let swing = sqrt(from_root * from_root + dot(aside, aside));
+            let pendulum = -aside * (length(gravity_step) / max(swing, MIN_EDGE));
+            set_x(k, x + clamp_length(v, params.step.max_displacement) + tilt + pendulum);
+        }
+    }
+}
+
+// One Newton step on all lengths: the tridiagonal system of their multipliers, by Thomas's algorithm.
+fn solve_lengths() {
+    let n = params.n_vertices;
+    var normal_below = vec3<f32>(0.0);
+    var c = 0.0;
+    var d = 0.0;
+    for (var k = N_PINNED; k < n; k++) {
+        let edge = x_at(k) - x_at(k - 1u);
+        let normal = normalize_or_zero(edge);
+        let error = length(edge) - distance(rest_at(k), rest_at(k - 1u));
+        let w_below = select(0.0, 1.0, k > N_PINNED);
+        let a = -w_below * dot(normal_below, normal);
+        var above = vec3<f32>(0.0);
+        if k + 1u < n {
+            above = normalize_or_zero(x_at(k + 1u) - x_at(k));
+        }
+        let pivot = 1.0 + w_below - a * c;
+        d = (error - a * d) / pivot;
+        c = -dot(normal, above) / pivot;
+        present[base + k].w = c;
+        before_that[base + k].w = d;
+        normal_below = normal;
+    }
+    var above = vec3<f32>(0.0);
+    var multiplier_above = 0.0;
+    for (var k = n - 1u; k >= N_PINNED; k--) {
+        let normal = normalize_or_zero(x_at(k) - x_at(k - 1u));
+        let multiplier = before_that[base + k].w - present[base + k].w * multiplier_above;
+        set_x(k, x_at(k) - multiplier * normal + multiplier_above * above);
+        above = normal;
+        multiplier_above = multiplier;
+    }
+}
+
+// Bend every joint towards its angle at rest, in the frame carried from the root.
+fn bend(after: Pose) {
+    let n = params.n_vertices;
+    var frame = after.rotation;
+    for (var k = 1u; k + 1u < n; k++) {
+        let rest_below = rest_at(k) - rest_at(k - 1u);
+        let rest_edge = rest_at(k + 1u) - rest_at(k);
+        let goal = rotate(frame, rest_edge);
+        let deviation = x_at(k + 1u) - x_at(k) - goal;
+        let h = max(0.5 * (length(rest_below) + length(rest_edge)), MIN_EDGE);
+        let stiffness = params.step.bend / (h * h * h * h);
+        let w_joint = weight(k);
+        let share = stiffness / (1.0 + stiffness * (1.0 + w_joint));
+        let top = x_at(k + 1u) - share * deviation;
+        let joint = x_at(k) + w_joint * share * deviation;
+        set_x(k + 1u, top);
+        set_x(k, joint);
+        frame = multiply(shortest_turn(goal, top - joint), frame);
+    }
+}
+
+// Spring back towards the style, strongest at the root.
+fn hold(after: Pose) {
+    var from_root = distance(rest_at(1u), rest_at(0u));
+    for (var k = N_PINNED; k < params.n_vertices; k++) {
+        from_root += distance(rest_at(k), rest_at(k - 1u));
+        let stiffness = params.step.hold * exp(-from_root / params.step.hold_length);
+        let x = x_at(k);
+        set_x(k, x + (pose_apply(after, rest_at(k)) - x) * (stiffness / (1.0 + stiffness)));
+    }
+}
+
+// Lengths of every second edge: the edges of one batch share no vertex.
+fn length_batch(batch: u32) {
+    for (var k = N_PINNED + batch; k < params.n_vertices; k += 2u) {
+        let edge = x_at(k) - x_at(k - 1u);
+        let error = length(edge) - distance(rest_at(k), rest_at(k - 1u));
+        let w_below = weight(k - 1u);
+        let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
+        let below = x_at(k - 1u) + w_below * correction;
+        let x = x_at(k) - correction;
+        set_x(k - 1u, below);
+        set_x(k, x);
+    }
+}
+
+// Push vertices out to the margin, or to where they rest if that is nearer.
+fn collide(before: Pose, after: Pose) {
+    let carry = after_inverse_of(after, before);
+    for (var k = N_PINNED; k < params.n_vertices; k++) {
+        let x = x_at(k);
+        let nearest = normal_and_distance(pose_apply_inverse(after, x));
+        let push = min(params.step.margin, rest[base + k].w) - nearest.w;
+        if push > 0.0 {
+            let normal = rotate(after.rotation, nearest.xyz);
+            let pushed = x + push * normal;
+            let slid = pushed - pose_apply(carry, prev_at(k));
+            let along = slid - dot(slid, normal) * normal;
+            let hold_back = min(params.step.friction * push / max(length(along), 1e-9), 1.0);
+            set_x(k, pushed - hold_back * along);
+            set_prev(k, prev_at(k) + dot(slid, normal) * normal);
+        }
+    }
+}
+
+// Put every vertex at its exact distance from the one below.
+fn close_lengths(after: Pose) {
+    for (var k = N_PINNED; k < params.n_vertices; k++) {
+        let below = x_at(k - 1u);
+        let rest_edge = rest_at(k) - rest_at(k - 1u);
+        let edge = x_at(k) - below;
+        let l = length(edge);
+        if l > 1e-6 {
+            set_x(k, x_at(k) + edge * ((length(rest_edge) - l) / l));
+        } else {
+            set_x(k, below + rotate(after.rotation, rest_edge));
+        }
+    }
+}
+
+// A strand that is not finite starts again from rest.
+fn recover(after: Pose) {
+    var sum = 0.0;
+    for (var k = 0u; k < params.n_vertices; k++) {
+        let d = abs(x_at(k) - prev_at(k));
+        sum += d.x + d.y + d.z;
+    }
+    if sum < 1e15 {
+        return;
+    }
+    for (var k = 0u; k < params.n_vertices; k++) {
+        let x = pose_apply(after, rest_at(k));
+        set_x(k, x);
+        set_prev(k, x);
+    }
+}
+
+// One step: the head goes from `before` to `after`.
+fn step_strand(before: Pose, after: Pose) {
+    integrate(before, after);
+    solve_lengths();
+    for (var iteration = 0u; iteration < params.step.n_iterations; iteration++) {
+        bend(after);
+        hold(after);
+        length_batch(0u);
+        length_batch(1u);
+        collide(before, after);
+    }
+    close_lengths(after);
+    recover(after);
+}
+
+// All of a frame's steps for one strand. Twin of run_strand in sim/src/cpu.rs.
+@compute @workgroup_size(32)
+fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let guide_idx = id.x + id.y * n_groups.x * 32u;
+    if guide_idx >= params.n_guides {
+        return;
+    }
+    base = guide_idx * params.n_vertices;
+    if params.carried == 1u {
+        for (var k = 0u; k < params.n_vertices; k++) {
+            set_x(k, pose_apply(params.carry, x_at(k)));
+            set_prev(k, pose_apply(params.carry, prev_at(k)));
+        }
+    }
+    for (var i = 0u; i < params.n_steps; i++) {
+        step_strand(params.poses[i], params.poses[i + 1u]);
+    }
+    for (var k = 0u; k < params.n_vertices; k++) {
+        let x = x_at(k);
+        var ahead = x + params.ahead * (x - prev_at(k));
+        if k < N_PINNED {
+            ahead = pose_apply(params.shown, rest_at(k));
+        }
+        positions[base + k] = vec4<f32>(ahead, 0.0);
+    }
+}
