@@ -1,7 +1,7 @@
 // Strand dynamics: the twin of sim/src/strand.rs, function by function. That file says why each step is as it is.
 //
 // One thread takes one strand through all of a frame's steps. A thread for every vertex, with workgroup memory and
-// barriers between the batches, was measured against it: see docs in sim/src/gpu.rs.
+// barriers between the batches, was rejected: sim/src/gpu.rs says why.
 
 struct StepParams {
     // Displacement by gravity in a step, cm.
@@ -71,6 +71,7 @@ struct Params {
 
 const N_PINNED = 2u;
 const MIN_EDGE = 0.05;
+const SMOOTHING = 3.0;
 const NOTHING_NEAR = 1e9;
 
 // First vertex of this thread's strand.
@@ -288,12 +289,14 @@ fn solve_lengths() {
 fn bend(after: Pose) {
     let n = params.n_vertices;
     var frame = after.rotation;
+    var smooth_edge = x_at(1u) - x_at(0u);
+    var rest_smooth = rest_at(1u) - rest_at(0u);
+    var h_below = length(rest_smooth);
     for (var k = 1u; k + 1u < n; k++) {
-        let rest_below = rest_at(k) - rest_at(k - 1u);
         let rest_edge = rest_at(k + 1u) - rest_at(k);
-        let goal = rotate(frame, rest_edge);
-        let deviation = x_at(k + 1u) - x_at(k) - goal;
-        let h = max(0.5 * (length(rest_below) + length(rest_edge)), MIN_EDGE);
+        let h_above = length(rest_edge);
+        let deviation = x_at(k + 1u) - x_at(k) - rotate(frame, rest_edge);
+        let h = max(0.5 * (h_below + h_above), MIN_EDGE);
         let stiffness = params.step.bend / (h * h * h * h);
         let w_joint = weight(k);
         let share = stiffness / (1.0 + stiffness * (1.0 + w_joint));
@@ -301,7 +304,11 @@ fn bend(after: Pose) {
         let joint = x_at(k) + w_joint * share * deviation;
         set_x(k + 1u, top);
         set_x(k, joint);
-        frame = multiply(shortest_turn(goal, top - joint), frame);
+        let blend = h_above / (h_above + SMOOTHING);
+        smooth_edge += blend * (top - joint - smooth_edge);
+        rest_smooth += blend * (rest_edge - rest_smooth);
+        frame = multiply(shortest_turn(rotate(frame, rest_smooth), smooth_edge), frame);
+        h_below = h_above;
     }
 }
 
@@ -349,18 +356,18 @@ fn collide(before: Pose, after: Pose) {
     }
 }
 
-// Put every vertex at its exact distance from the one below.
+// Put every vertex at its exact distance from the one below, without giving it velocity.
 fn close_lengths(after: Pose) {
     for (var k = N_PINNED; k < params.n_vertices; k++) {
-        let below = x_at(k - 1u);
         let rest_edge = rest_at(k) - rest_at(k - 1u);
-        let edge = x_at(k) - below;
+        let edge = x_at(k) - x_at(k - 1u);
         let l = length(edge);
+        var correction = rotate(after.rotation, rest_edge);
         if l > 1e-6 {
-            set_x(k, x_at(k) + edge * ((length(rest_edge) - l) / l));
-        } else {
-            set_x(k, below + rotate(after.rotation, rest_edge));
+            correction = edge * ((length(rest_edge) - l) / l);
         }
+        set_x(k, x_at(k) + correction);
+        set_prev(k, prev_at(k) + correction);
     }
 }
 

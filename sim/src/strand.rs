@@ -8,7 +8,9 @@
 //! 2. `solve_lengths`: one Newton step on all lengths at once. Two batches alone spread a pull by two
 //!    vertices an iteration and stretch a shaken chain of 32 vertices by a third.
 //! 3. Every iteration: `bend` and `hold` towards the shape at rest, lengths in two disjoint batches, `collide`.
-//! 4. `close_lengths`: what error is left goes from root to tip, so that lengths are exact in every picture.
+//! 4. `close_lengths`: what error is left goes from root to tip, without becoming velocity, so that lengths are
+//!    exact after every step. Let it become velocity, as "follow the leader" does, and curls shake for ever
+//!    (measured: coils of 15 cm still moved at 60 cm/s eight seconds after a shake; now at 0.1).
 //!
 //! **Gravity at rest.** The styled shape is what hair looks like *under* gravity: so the solver knows gravity
 //! by what changes. Every vertex is a pendulum about where it rests, as long as the strand is from the root to
@@ -20,11 +22,11 @@
 //! from it and never came to rest. Solving for a weightless shape that sags into the style: soft or curly
 //! strands have many such shapes or none, and those that lie on the head have none at all.
 //!
-//! **The strand's own frame.** The rotation R of an edge from its rest direction is carried from root to tip
-//! without twist, each edge adding the shortest turn. So curls keep their shape while the strand swings. The
-//! carried frame makes bending a follower force again; what energy it can give, the friction between
-//! neighbouring vertices takes (measured: without it a shaken coil of 15 cm still moves at 70 cm/s after 6 s,
-//! with it at 0.3).
+//! **The strand's own frame.** A rotation R from the rest shape is carried from root to tip without twist, each
+//! edge adding the shortest turn; bending pulls every edge towards R times its direction at rest. So curls keep
+//! their shape while the strand swings. R follows the curve smoothed over a few centimetres, not the edges
+//! themselves (after Iben et al. 2013, "Artistic simulation of curly hair"): round and round a coil the turns
+//! of the edges add up to a twist that feeds on itself (measured: without, shaken hair never rests).
 
 use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
@@ -36,9 +38,11 @@ use crate::rest::Obstacles;
 pub const N_PINNED: usize = 2;
 /// Shortest edge for stiffness, centimetres: shorter ones would only be stiffer than a float can tell.
 const MIN_EDGE: f32 = 0.05;
-/// Rate at which neighbouring vertices of a strand lose their difference in velocity, 1/s. Measured: 50 is
-/// the least that lets shaken curls come to rest; it leaves the swing of the whole strand alone.
-const RUB: f32 = 50.0;
+/// Rate at which neighbouring vertices of a strand lose their difference in velocity, 1/s: hairs of a lock rub on
+/// each other. It stills the quiver of a lock (measured: 10 to 50 do) and leaves its swing alone.
+const RUB: f32 = 20.0;
+/// Length over which the strand's frame is smoothed, cm: more than a curl's pitch.
+const SMOOTHING: f32 = 3.0;
 /// Faster hair is not seen, only missed: cm/s.
 const MAX_SPEED: f32 = 3000.0;
 /// Standard gravity, by which `bend_length` becomes a stiffness; not the scene's gravity, cm/s2.
@@ -210,12 +214,14 @@ fn solve_lengths(s: &mut Strand<'_>) {
 fn bend(s: &mut Strand<'_>, p: &StepParams, after: Pose) {
     let n = s.x.len();
     let mut frame = after.rotation;
+    let mut smooth = s.x[1].xyz() - s.x[0].xyz();
+    let mut rest_smooth = s.rest[1].xyz() - s.rest[0].xyz();
+    let mut h_below = rest_smooth.length();
     for k in 1..n - 1 {
-        let rest_below = s.rest[k].xyz() - s.rest[k - 1].xyz();
         let rest_edge = s.rest[k + 1].xyz() - s.rest[k].xyz();
-        let goal = rotate(frame, rest_edge);
-        let deviation = s.x[k + 1].xyz() - s.x[k].xyz() - goal;
-        let h = (0.5 * (rest_below.length() + rest_edge.length())).max(MIN_EDGE);
+        let h_above = rest_edge.length();
+        let deviation = s.x[k + 1].xyz() - s.x[k].xyz() - rotate(frame, rest_edge);
+        let h = (0.5 * (h_below + h_above)).max(MIN_EDGE);
         let stiffness = p.bend / (h * h * h * h);
         let w_joint = weight(k);
         let share = stiffness / (1.0 + stiffness * (1.0 + w_joint));
@@ -223,7 +229,11 @@ fn bend(s: &mut Strand<'_>, p: &StepParams, after: Pose) {
         let joint = s.x[k].xyz() + w_joint * share * deviation;
         set(&mut s.x[k + 1], top);
         set(&mut s.x[k], joint);
-        frame = shortest_turn(goal, top - joint) * frame;
+        let blend = h_above / (h_above + SMOOTHING);
+        smooth += blend * (top - joint - smooth);
+        rest_smooth += blend * (rest_edge - rest_smooth);
+        frame = shortest_turn(rotate(frame, rest_smooth), smooth) * frame;
+        h_below = h_above;
     }
 }
 
@@ -272,7 +282,7 @@ fn collide(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before:
     }
 }
 
-/// Put every vertex at its exact distance from the one below.
+/// Put every vertex at its exact distance from the one below, without giving it velocity.
 fn close_lengths(s: &mut Strand<'_>, after: Pose) {
     for k in N_PINNED..s.x.len() {
         let below = s.x[k - 1].xyz();
@@ -280,12 +290,14 @@ fn close_lengths(s: &mut Strand<'_>, after: Pose) {
         let edge = s.x[k].xyz() - below;
         let length = edge.length();
         // Vertices at one place have no direction: take the one at rest.
-        let x = if length > 1e-6 {
-            s.x[k].xyz() + edge * ((rest_edge.length() - length) / length)
+        let correction = if length > 1e-6 {
+            edge * ((rest_edge.length() - length) / length)
         } else {
-            below + rotate(after.rotation, rest_edge)
+            rotate(after.rotation, rest_edge)
         };
+        let (x, prev) = (s.x[k].xyz() + correction, s.prev[k].xyz() + correction);
         set(&mut s.x[k], x);
+        set(&mut s.prev[k], prev);
     }
 }
 

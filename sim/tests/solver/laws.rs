@@ -82,11 +82,11 @@ fn hair_swings_and_settles_where_it_was() {
         let farthest = shaken.iter().map(|m| m.from_rest_rms_cm).fold(0.0, f32::max);
         let settled = *run(&mut solver, 2.0, 60.0, |_| Affine3A::IDENTITY).last().unwrap();
         println!("{name}: {farthest} cm, then {settled:?}");
-        assert!(farthest > if name == "short" { 0.5 } else { 3.0 }, "{name} follows stiffly: {farthest} cm");
-        assert!(settled.from_rest_rms_cm < 0.7 && settled.kinetic_energy < 60.0, "{name}: {settled:?}");
+        assert!(farthest > if name == "short" { 0.1 } else { 3.0 }, "{name} follows stiffly: {farthest} cm");
+        assert!(settled.from_rest_rms_cm < 0.3 && settled.kinetic_energy < 5.0, "{name}: {settled:?}");
         let later = *run(&mut solver, 4.0, 60.0, |_| Affine3A::IDENTITY).last().unwrap();
         println!("{name}: later {later:?}");
-        assert!(later.speed_max < 2.0, "{name} jitters: {later:?}");
+        assert!(later.speed_max < 0.1, "{name} jitters: {later:?}");
         assert!(later.penetration_max_cm < 0.1, "{name}: {later:?}");
     }
 }
