@@ -12,6 +12,7 @@ pub mod document;
 pub mod edit;
 pub mod generate;
 pub mod groom;
+pub mod grow;
 pub mod guides;
 pub mod hair_mesh;
 pub mod hair_mesh_relax;
