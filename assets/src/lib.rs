@@ -1,1 +1,6 @@
+//! What is embedded in the studio: a mannequin head and hairstyles on it. `assets/SOURCES.md` says how
+//! each was made; `cargo xtask bake` makes them anew. Nothing here was fetched.
 
+mod head;
+
+pub use head::head;
