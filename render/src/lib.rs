@@ -3,9 +3,5 @@
 pub mod exact;
 pub mod generate;
 pub mod mirror;
-pub mod raster;
 pub mod ribbons;
 pub mod view;
-
-#[cfg(test)]
-mod testing;

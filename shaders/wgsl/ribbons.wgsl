@@ -1,9 +1,8 @@
 // Camera-facing strips, one quad a segment, drawn from back to front and blended over each other.
 //
-// A strip thinner than a pixel is drawn a pixel wide and its alpha carries the width: the strip's overlap with the
-// pixel's square. Summed over the pixels, that is the strip's projected area.
+// A strip thinner than a pixel is drawn a pixel wide and its alpha carries the width: the strip's exact overlap with a
+// pixel-wide box across it. Summed over the pixels, that is the strip's projected area.
 #import lorelei::camera::{View, project}
-#import lorelei::coverage::strip_coverage
 
 @group(0) @binding(auto) var<uniform> view: View;
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
@@ -28,7 +27,6 @@ struct Corner {
     @location(1) @interpolate(linear) across: f32,
     @location(2) @interpolate(linear) half_width: f32,
     @location(3) depth: f32,
-    @location(4) @interpolate(flat) normal: vec2<f32>,
 }
 
 fn safe_direction(start: vec2<f32>, end: vec2<f32>) -> vec2<f32> {
@@ -62,7 +60,7 @@ fn strip(@builtin(vertex_index) vertex_idx: u32) -> Corner {
     let normal = vec2<f32>(-tangent.y, tangent.x);
     let p = select(pa, pb, end == 1u);
     let half_width = here.w * view.pixels_per_tangent / p.z;
-    let reach = half_width + 0.7072;
+    let reach = max(half_width, 0.5) + 0.5;
     let at = p.xy + normal * (side * reach * stretch);
     let in_front = pa.z > view.near && pb.z > view.near;
     let ndc = vec2<f32>(at.x / f32(view.size.x) * 2.0 - 1.0, 1.0 - at.y / f32(view.size.y) * 2.0);
@@ -73,14 +71,13 @@ fn strip(@builtin(vertex_index) vertex_idx: u32) -> Corner {
     out.across = side * reach;
     out.half_width = half_width;
     out.depth = p.z;
-    out.normal = vec2<f32>(-along.y, along.x);
     return out;
 }
 
 @fragment
 fn shade(in: Corner) -> @location(0) vec4<f32> {
     let pixel = vec2<i32>(in.position.xy);
-    var coverage = strip_coverage(in.across, in.half_width, in.normal);
+    var coverage = clamp(min(in.across + 0.5, in.half_width) - max(in.across - 0.5, -in.half_width), 0.0, 1.0);
     if OPAQUE == 1u {
         if abs(in.across) > max(in.half_width, 0.5) {
             discard;
