@@ -1,0 +1,182 @@
+//! Outgoing radiance of every strand vertex, once a frame: single scattering of each light past what shadows it,
+//! multiple scattering, and the environment.
+//!
+//! Which formulas run is decided when the kernel is linked ([`crate::slot`]); a kernel is kept for each combination that
+//! was used, so that switching back costs nothing.
+
+use std::collections::HashMap;
+
+use bytemuck::{Pod, Zeroable};
+use lorelei_core::groom::HairMaterial;
+use lorelei_core::look::{Environment, Look, MultipleScattering, Scattering, Shadowing, Switch};
+use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
+use wgpu::BufferUsages;
+
+use crate::mirror::StrandBuffers;
+use crate::scattering::Fibre;
+use crate::scene::SceneBuffers;
+use crate::shadow::Shadow;
+use crate::slot;
+
+/// Twin of `ShadeLayer`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct LayerUniform {
+    fibre: Fibre,
+    first_vertex: u32,
+    first_strand: u32,
+    n_vertices: u32,
+    vertices_per_strand: u32,
+}
+
+/// What decides which kernel runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Choices {
+    scattering: Scattering,
+    lobes: [Switch; 3],
+    multiple: MultipleScattering,
+    environment: Environment,
+    shadowing: Shadowing,
+}
+
+impl Choices {
+    fn of(look: &Look) -> Self {
+        Self {
+            scattering: look.scattering,
+            lobes: [look.lobe_r, look.lobe_tt, look.lobe_trt],
+            multiple: look.multiple_scattering,
+            environment: look.environment,
+            shadowing: look.shadowing,
+        }
+    }
+}
+
+/// What the bindings were made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct BoundTo {
+    choices: Choices,
+    strands_generation: u64,
+    shadow_generation: u64,
+    n_layers: usize,
+}
+
+/// The shading pass with its result.
+pub struct Shade {
+    kernels: HashMap<Choices, Hot<Kernel>>,
+    radiance: wgpu::Buffer,
+    layers: Vec<(wgpu::Buffer, Bindings)>,
+    bound_to: Option<BoundTo>,
+    generation: u64,
+}
+
+impl Shade {
+    pub fn new(gpu: &Gpu) -> Self {
+        Self {
+            kernels: HashMap::new(),
+            radiance: gpu.buffer("shade.radiance", 0, BufferUsages::STORAGE),
+            layers: Vec::new(),
+            bound_to: None,
+            generation: 0,
+        }
+    }
+
+    /// `array<vec2<u32>>`: four half floats a vertex, linear radiance and opacity, indexed like the vertices.
+    pub fn radiance(&self) -> &wgpu::Buffer {
+        &self.radiance
+    }
+
+    /// Changes when [`Shade::radiance`] is another buffer than before.
+    pub fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// Why a shader that was edited is not in use.
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.kernels.values().find_map(Hot::error)
+    }
+
+    /// Make everything fit the frame, after [`Shadow::prepare`] and [`SceneBuffers::update`]; `scene_is_new` is what the
+    /// latter returned. `material_of` maps [`crate::mirror::DrawnLayer::material`] to a material.
+    pub fn prepare<'m>(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        strands: &StrandBuffers,
+        look: &Look,
+        material_of: impl Fn(u32) -> &'m HairMaterial,
+        (scene, scene_is_new): (&SceneBuffers, bool),
+        shadow: &Shadow,
+    ) -> Result<(), ShaderError> {
+        let choices = Choices::of(look);
+        let make = |library: &ShaderLibrary| {
+            let mut links: Vec<Link<'_>> = slot::lobes(look).to_vec();
+            links.extend([
+                slot::scattering(choices.scattering),
+                slot::multiple_scattering(choices.multiple),
+                slot::environment(choices.environment),
+                slot::shadowing(choices.shadowing),
+            ]);
+            library.kernel(gpu, "shade", "shade", &[], &links)
+        };
+        let mut is_stale = scene_is_new;
+        if let Some(kernel) = self.kernels.get_mut(&choices) {
+            is_stale |= kernel.refresh(library, make);
+        } else {
+            self.kernels.insert(choices, Hot::new(library, make)?);
+        }
+
+        let n_bytes = u64::from(strands.n_vertices) * 8;
+        if self.radiance.size() < n_bytes {
+            self.radiance = gpu.buffer("shade.radiance", n_bytes, BufferUsages::STORAGE);
+            self.generation += 1;
+            is_stale = true;
+        }
+        let bound_to = BoundTo {
+            choices,
+            strands_generation: strands.generation,
+            shadow_generation: shadow.generation(),
+            n_layers: strands.layers.len(),
+        };
+        if is_stale || self.bound_to != Some(bound_to) {
+            let kernel = &self.kernels[&choices];
+            self.layers.clear();
+            for _ in &strands.layers {
+                let uniform = gpu.buffer("shade.layer", size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM);
+                let mut resources = vec![
+                    ("shade_layer", uniform.as_entire_binding()),
+                    ("vertices", strands.vertices.as_entire_binding()),
+                    ("seeds", strands.seeds.as_entire_binding()),
+                    ("radiance", self.radiance.as_entire_binding()),
+                ];
+                resources.extend(scene.resources());
+                resources.extend(shadow.resources());
+                let bindings = kernel.bind_used(gpu, &resources)?;
+                self.layers.push((uniform, bindings));
+            }
+            self.bound_to = Some(bound_to);
+        }
+        for (layer, (uniform, _)) in strands.layers.iter().zip(&self.layers) {
+            let contents = LayerUniform {
+                fibre: Fibre::new(material_of(layer.material), look),
+                first_vertex: layer.first_vertex,
+                first_strand: layer.first_strand,
+                n_vertices: layer.n_strands * layer.vertices_per_strand,
+                vertices_per_strand: layer.vertices_per_strand,
+            };
+            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(&contents));
+        }
+        Ok(())
+    }
+
+    /// Record the pass.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, strands: &StrandBuffers) {
+        let Some(kernel) = self.bound_to.and_then(|bound_to| self.kernels.get(&bound_to.choices)) else { return };
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), timestamp_writes: None });
+        for (layer, (_, bindings)) in strands.layers.iter().zip(&self.layers) {
+            if layer.n_strands > 0 {
+                kernel.dispatch_items(&mut pass, bindings, layer.n_strands * layer.vertices_per_strand);
+            }
+        }
+    }
+}

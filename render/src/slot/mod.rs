@@ -1,0 +1,6 @@
+//! One exhaustive `match` for each question of the look: which WGSL file stands in for which slot. A new technique is
+//! a variant, a file and an arm; the compiler finds the missing arm.
+
+mod shading;
+
+pub use shading::{environment, lobes, multiple_scattering, scattering, shadowing};

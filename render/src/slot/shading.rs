@@ -1,0 +1,61 @@
+//! The slots of the shading kernel and of whatever else asks what of a light arrives.
+
+use lorelei_core::look::{Environment, Look, MultipleScattering, Scattering, Shadowing, Switch};
+use lorelei_shaders::Link;
+
+/// `lorelei::scattering`: how one fibre scatters.
+pub fn scattering(choice: Scattering) -> Link<'static> {
+    Link::Slot(
+        "scattering",
+        match choice {
+            Scattering::KajiyaKay => "scatter_kajiya_kay",
+            Scattering::Marschner => "scatter_marschner",
+        },
+    )
+}
+
+/// `lorelei::lobe_r`, `lobe_tt` and `lobe_trt`: Marschner's lobes.
+pub fn lobes(look: &Look) -> [Link<'static>; 3] {
+    let file = |switch: Switch, lobe: &'static str| match switch {
+        Switch::On => lobe,
+        Switch::Off => "scatter_lobe_off",
+    };
+    [
+        Link::Slot("lobe_r", file(look.lobe_r, "scatter_r")),
+        Link::Slot("lobe_tt", file(look.lobe_tt, "scatter_tt")),
+        Link::Slot("lobe_trt", file(look.lobe_trt, "scatter_trt")),
+    ]
+}
+
+/// `lorelei::multiple`: light that has met several fibres.
+pub fn multiple_scattering(choice: MultipleScattering) -> Link<'static> {
+    Link::Slot(
+        "multiple",
+        match choice {
+            MultipleScattering::FakeNormal => "scatter_multiple_fake_normal",
+            MultipleScattering::Off => "scatter_multiple_off",
+        },
+    )
+}
+
+/// `lorelei::environment`: light from all around.
+pub fn environment(choice: Environment) -> Link<'static> {
+    Link::Slot(
+        "environment",
+        match choice {
+            Environment::Constant => "shade_environment_constant",
+            Environment::Off => "shade_environment_off",
+        },
+    )
+}
+
+/// `lorelei::shadow`: what of a light arrives, for hair and head alike.
+pub fn shadowing(choice: Shadowing) -> Link<'static> {
+    Link::Slot(
+        "shadow",
+        match choice {
+            Shadowing::DeepOpacity => "shadow_deep_opacity",
+            Shadowing::Off => "shadow_off",
+        },
+    )
+}

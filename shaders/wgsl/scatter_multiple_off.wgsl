@@ -1,0 +1,16 @@
+// Slot `multiple`: single scattering only.
+// slot: multiple
+#define_import_path lorelei::scatter_multiple_off
+#import lorelei::scatter_fibre::{Fibre}
+#import lorelei::scatter_volume::{Volume}
+
+fn multiple(
+    fibre: Fibre,
+    volume: Volume,
+    tangent: vec3<f32>,
+    to_light: vec3<f32>,
+    to_eye: vec3<f32>,
+    tau: f32,
+) -> vec3<f32> {
+    return vec3<f32>(0.0);
+}

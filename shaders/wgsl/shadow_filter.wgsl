@@ -1,0 +1,76 @@
+// From the layers of each texel to what a look-up wants: the front of the neighbourhood and, at each layer's end, the
+// optical depth averaged over the neighbourhood. Filtering here costs a texel's work once; filtering in the look-up
+// would cost it for every vertex and light.
+#import lorelei::shadow_map::{ShadowParams, FIXED_POINT, layer_of, layer_end}
+
+@group(0) @binding(auto) var<uniform> shadow_params: ShadowParams;
+@group(0) @binding(auto) var<storage, read> shadow_front: array<u32>;
+@group(0) @binding(auto) var<storage, read> shadow_opacity: array<u32>;
+// n_layers + 1 numbers a texel: depth of the front in cm (NO_HAIR: none), then optical depth down to each layer's end.
+@group(0) @binding(auto) var<storage, read_write> shadow_filtered: array<f32>;
+
+const NO_HAIR: f32 = 1e30;
+const MAX_LAYERS: u32 = 7u;
+
+@compute @workgroup_size(8, 8)
+fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
+    let resolution = i32(shadow_params.resolution);
+    if id.x >= shadow_params.resolution || id.y >= shadow_params.resolution {
+        return;
+    }
+    let base = id.z * shadow_params.resolution * shadow_params.resolution;
+    let n_layers = shadow_params.n_layers;
+    let out = (base + id.y * shadow_params.resolution + id.x) * (n_layers + 1u);
+    let reach = i32(ceil(shadow_params.filter_radius));
+    let from_texel = max(vec2<i32>(id.xy) - reach, vec2<i32>(0));
+    let to_texel = min(vec2<i32>(id.xy) + reach, vec2<i32>(resolution - 1));
+
+    // 0 is empty and the nearest is the largest.
+    var nearest = 0u;
+    for (var y = from_texel.y; y <= to_texel.y; y++) {
+        for (var x = from_texel.x; x <= to_texel.x; x++) {
+            nearest = max(nearest, shadow_front[base + u32(y * resolution + x)]);
+        }
+    }
+    if nearest == 0u {
+        shadow_filtered[out] = NO_HAIR;
+        for (var k = 1u; k <= n_layers; k++) {
+            shadow_filtered[out + k] = 0.0;
+        }
+        return;
+    }
+    let front = bitcast<f32>(~nearest);
+
+    var sums = array<f32, 8>();
+    var weights = 0.0;
+    let tent = 1.0 / (shadow_params.filter_radius + 0.5);
+    for (var y = from_texel.y; y <= to_texel.y; y++) {
+        for (var x = from_texel.x; x <= to_texel.x; x++) {
+            let offset = abs(vec2<f32>(f32(x - i32(id.x)), f32(y - i32(id.y))));
+            let weight = max(1.0 - offset.x * tent, 0.0) * max(1.0 - offset.y * tent, 0.0);
+            weights += weight;
+            let tap = base + u32(y * resolution + x);
+            if shadow_front[tap] == 0u {
+                continue;
+            }
+            let step_back = front - bitcast<f32>(~shadow_front[tap]);
+            // The tap's own cumulative opacities at its own layers' ends.
+            var depths = array<f32, 8>();
+            for (var k = 0u; k < n_layers; k++) {
+                depths[k + 1u] = depths[k] + f32(shadow_opacity[tap * n_layers + k]) / FIXED_POINT;
+            }
+            for (var k = 1u; k < n_layers; k++) {
+                let end = step_back + layer_end(k, shadow_params.layer_size);
+                let layer = layer_of(end, shadow_params.layer_size, n_layers);
+                let below = min(u32(layer), n_layers - 1u);
+                sums[k] += weight * mix(depths[below], depths[below + 1u], layer - f32(below));
+            }
+            // Everything behind the last layer is in it (the paper's second choice).
+            sums[n_layers] += weight * depths[n_layers];
+        }
+    }
+    shadow_filtered[out] = front;
+    for (var k = 1u; k <= n_layers; k++) {
+        shadow_filtered[out + k] = sums[k] / weights;
+    }
+}
