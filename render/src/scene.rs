@@ -88,11 +88,7 @@ pub struct SceneBuffers {
 impl SceneBuffers {
     pub fn new(gpu: &Gpu) -> Self {
         Self {
-            scene: gpu.buffer(
-                "scene",
-                size_of::<SceneUniform>() as u64,
-                wgpu::BufferUsages::UNIFORM,
-            ),
+            scene: gpu.buffer("scene", size_of::<SceneUniform>() as u64, wgpu::BufferUsages::UNIFORM),
             lights: lights_buffer(gpu, 4),
             n_lights_allocated: 4,
         }

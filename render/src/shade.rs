@@ -171,8 +171,8 @@ impl Shade {
     /// Record the pass.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, strands: &StrandBuffers) {
         let Some(kernel) = self.bound_to.and_then(|bound_to| self.kernels.get(&bound_to.choices)) else { return };
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), timestamp_writes: None });
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), timestamp_writes: None });
         for (layer, (_, bindings)) in strands.layers.iter().zip(&self.layers) {
             if layer.n_strands > 0 {
                 kernel.dispatch_items(&mut pass, bindings, layer.n_strands * layer.vertices_per_strand);

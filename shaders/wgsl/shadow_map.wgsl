@@ -21,8 +21,8 @@ struct ShadowParams {
     filter_radius: f32,
     density: f32,
     n_lights: u32,
-    pad0: u32,
-    pad1: u32,
+    pad_a: u32,
+    pad_b: u32,
 }
 
 // Optical depth 1 of a texel.

@@ -103,8 +103,8 @@ mod tests {
             let theta_i = -90.0 + 180.0 * (i as f32 + 0.5) / n_theta as f32;
             for j in 0..n_phi {
                 let d = at(theta_i, theta_r, 180.0 * (j as f32 + 0.5) / n_phi as f32);
-                let solid_angle = d.cos_theta_i * (180.0f32 / n_theta as f32).to_radians() * std::f32::consts::TAU
-                    / n_phi as f32;
+                let solid_angle =
+                    d.cos_theta_i * (180.0f32 / n_theta as f32).to_radians() * std::f32::consts::TAU / n_phi as f32;
                 total += scatter(fibre, &d) * solid_angle;
             }
         }
@@ -178,9 +178,7 @@ mod tests {
         let peak_of = |lobe: fn(&Fibre, &Directions) -> Vec3| {
             (-300..=300)
                 .map(|step| 0.1 * step as f32)
-                .max_by(|&a, &b| {
-                    lobe(&fibre, &at(0.0, a, 20.0)).x.total_cmp(&lobe(&fibre, &at(0.0, b, 20.0)).x)
-                })
+                .max_by(|&a, &b| lobe(&fibre, &at(0.0, a, 20.0)).x.total_cmp(&lobe(&fibre, &at(0.0, b, 20.0)).x))
                 .unwrap()
         };
         // theta is positive towards the tip; light from straight across.

@@ -55,9 +55,8 @@ fn cases(n: usize) -> Vec<Case> {
                 index_of_refraction: 1.4 + 0.4 * random(),
                 ..HairMaterial::default()
             };
-            let mut direction = || {
-                Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5).normalize_or(Vec3::X).to_array()
-            };
+            let mut direction =
+                || Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5).normalize_or(Vec3::X).to_array();
             let (tangent, to_light, to_eye) = (direction(), direction(), direction());
             let fibre = Fibre::new(&material, &Look::default());
             Case { fibre, tangent, seed: (random() * 4e9) as u32, to_light, t: random(), to_eye, tau: 4.0 * random() }
@@ -110,10 +109,8 @@ fn wgsl_twins_agree_with_the_cpu() {
             let fibre = case.fibre.vary(case.seed, case.t);
             let [tangent, to_light, to_eye] = [case.tangent, case.to_light, case.to_eye].map(Vec3::from_array);
             let d = Directions::new(tangent, to_light, to_eye);
-            let expected = [
-                scatter(&fibre, &d),
-                multiple(&fibre, &volume(&fibre), tangent, to_light, to_eye, case.tau),
-            ];
+            let expected =
+                [scatter(&fibre, &d), multiple(&fibre, &volume(&fibre), tangent, to_light, to_eye, case.tau)];
             for (answer, expected) in answers[2 * i..2 * i + 2].iter().zip(expected) {
                 let difference = (Vec3::from_slice(&answer[..3]) - expected).abs();
                 // 1e-4: a lobe's tail that no picture shows.

@@ -42,13 +42,7 @@ impl ShadowLight {
                 forward.extend(near_plane),
                 Vec4::W,
             ];
-            return Self {
-                map_from_world: from_rows(rows),
-                texels_per_cm,
-                casts,
-                near: 0.0,
-                far: 2.0 * ball.radius,
-            };
+            return Self { map_from_world: from_rows(rows), texels_per_cm, casts, near: 0.0, far: 2.0 * ball.radius };
         }
         let towards = centre - place;
         let distance = towards.length().max(1e-3);

@@ -256,8 +256,7 @@ impl Shadow {
         let maps = &self.maps;
         let mut layers = Vec::new();
         for _ in &strands.layers {
-            let uniform =
-                gpu.buffer("shadow.layer", size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM);
+            let uniform = gpu.buffer("shadow.layer", size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM);
             let resources = [
                 ("shadow_params", maps.params.as_entire_binding()),
                 ("shadow_layer", uniform.as_entire_binding()),
@@ -386,19 +385,13 @@ impl Maps {
             ),
             front: gpu.buffer("shadow.deep_opacity.front", 4 * n_texels, BufferUsages::STORAGE),
             opacity: gpu.buffer("shadow.deep_opacity.layers", 4 * n_texels * n_layers, BufferUsages::STORAGE),
-            filtered: gpu.buffer(
-                "shadow.deep_opacity.filtered",
-                4 * n_texels * (n_layers + 1),
-                BufferUsages::STORAGE,
-            ),
+            filtered: gpu.buffer("shadow.deep_opacity.filtered", 4 * n_texels * (n_layers + 1), BufferUsages::STORAGE),
             head: view(wgpu::TextureViewDimension::D2Array, 0, None),
             head_of_light: (0..size.n_lights)
                 .map(|light_idx| view(wgpu::TextureViewDimension::D2, light_idx, Some(1)))
                 .collect(),
             casters: (0..size.n_lights)
-                .map(|_| {
-                    gpu.buffer("shadow.head.caster", size_of::<HeadCaster>() as u64, BufferUsages::UNIFORM)
-                })
+                .map(|_| gpu.buffer("shadow.head.caster", size_of::<HeadCaster>() as u64, BufferUsages::UNIFORM))
                 .collect(),
         }
     }

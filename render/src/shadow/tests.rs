@@ -148,13 +148,8 @@ fn transmittance_agrees_with_an_exact_sum_over_the_segments() {
     let params = DeepOpacityParams { n_layers: 7, layer_size: 0.25, resolution: 96, filter_radius: 1.5, density: 1.0 };
     let light = Light::directional("key", 30.0, 40.0, 1.0, [1.0; 3]);
     let answers = look_up(&points, &at, light.clone(), Shadowing::DeepOpacity, &params, None);
-    let map = ShadowLight::new(
-        &SceneLights::new(&[light]).lights[0],
-        true,
-        BALL,
-        Affine3A::IDENTITY,
-        params.resolution,
-    );
+    let map =
+        ShadowLight::new(&SceneLights::new(&[light]).lights[0], true, BALL, Affine3A::IDENTITY, params.resolution);
     // Variances in texels: a texel 1/12, taps (1/2, 1, 1/2) 1/2, bilinear about 1/6.
     let sigma = (1.0f32 / 12.0 + 0.5 + 1.0 / 6.0).sqrt();
     let (mut error, mut bias, mut darkest) = (0.0, 0.0, 1.0f32);
@@ -199,7 +194,8 @@ fn the_head_shadows_what_is_behind_it_under_parallel_and_point_light() {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..TriMesh::default()
     };
-    let at = [Vec3::new(0.3, -0.2, -2.0), Vec3::new(0.3, -0.2, 2.0), Vec3::new(3.4, 0.0, -2.0), Vec3::new(0.0, 1.5, -1.0)];
+    let at =
+        [Vec3::new(0.3, -0.2, -2.0), Vec3::new(0.3, -0.2, 2.0), Vec3::new(3.4, 0.0, -2.0), Vec3::new(0.0, 1.5, -1.0)];
     let parallel = Light::directional("key", 0.0, 0.0, 1.0, [1.0; 3]);
     let point = Light {
         kind: lorelei_core::light::LightKind::Point { position: Vec3::new(0.0, 0.0, 60.0) },
