@@ -177,7 +177,7 @@ pub struct KajiyaKayParams {
 
 impl Default for KajiyaKayParams {
     fn default() -> Self {
-        Self { diffuse: 0.8, specular: 0.35, exponent: 40.0 }
+        Self { diffuse: 0.5, specular: 0.25, exponent: 40.0 }
     }
 }
 

@@ -180,3 +180,104 @@ impl Shade {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use lorelei_core::light::Light;
+
+    use super::*;
+    use crate::mirror::DrawnLayer;
+    use crate::scene::SceneLights;
+
+    fn half(bits: u32) -> f32 {
+        let (sign, exponent, mantissa) = (bits >> 15 & 1, bits >> 10 & 31, bits & 1023);
+        let magnitude = if exponent == 0 {
+            mantissa as f32 * 2f32.powi(-24)
+        } else {
+            (1.0 + mantissa as f32 / 1024.0) * 2f32.powi(exponent as i32 - 15)
+        };
+        if sign == 1 { -magnitude } else { magnitude }
+    }
+
+    /// Radiance of the middle of one strand along x, seen from +Z at 100 cm, unshadowed.
+    fn radiance(look: &Look, material: &HairMaterial, lights: &[Light]) -> [f32; 4] {
+        let gpu = Gpu::headless().unwrap();
+        let library = ShaderLibrary::embedded();
+        let vertices: Vec<[f32; 4]> = (0..9).map(|k| [k as f32 - 4.0, 0.0, 0.0, 0.004]).collect();
+        let strands = StrandBuffers {
+            vertices: gpu.buffer_of("test.vertices", &vertices, BufferUsages::STORAGE),
+            seeds: gpu.buffer_of("test.seeds", &[0x8080_8080u32], BufferUsages::STORAGE),
+            layers: vec![DrawnLayer {
+                first_vertex: 0,
+                first_strand: 0,
+                n_strands: 1,
+                vertices_per_strand: 9,
+                material: 0,
+            }],
+            n_vertices: 9,
+            n_strands: 1,
+            generation: 1,
+        };
+        let shadow = Shadow::new(&gpu, &library).unwrap();
+        let mut scene = SceneBuffers::new(&gpu);
+        let is_new = scene.update(&gpu, &SceneLights::new(lights), look, Vec3::new(0.0, 0.0, 100.0));
+        let mut shade = Shade::new(&gpu);
+        shade.prepare(&gpu, &library, &strands, look, |_| material, (&scene, is_new), &shadow).unwrap();
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        shade.record(&mut encoder, &strands);
+        gpu.queue.submit([encoder.finish()]);
+        let [low, high] = gpu.read_buffer::<[u32; 2]>(shade.radiance()).unwrap()[4];
+        [half(low & 0xffff), half(low >> 16), half(high & 0xffff), half(high >> 16)]
+    }
+
+    fn unshadowed() -> Look {
+        Look { shadowing: Shadowing::Off, ..Look::default() }
+    }
+
+    fn white() -> HairMaterial {
+        HairMaterial { eumelanin: 0.0, pheomelanin: 0.0, ..HairMaterial::default() }
+    }
+
+    #[test]
+    fn a_white_furnace_stays_white() {
+        let look = Look { environment_colour: [1.0; 3], environment_intensity: 0.7, ..unshadowed() };
+        let [r, g, b, a] = radiance(&look, &white(), &[]);
+        assert!([r, g, b].iter().all(|l| (l / 0.7 - 1.0).abs() < 0.01), "{r} {g} {b}");
+        assert_eq!(a, 1.0);
+        let dark = radiance(&look, &HairMaterial { eumelanin: 3.0, ..white() }, &[]);
+        assert!(dark[0] < 0.1 && dark[0] > 0.01, "{dark:?}");
+    }
+
+    #[test]
+    fn white_hair_facing_a_light_is_about_as_bright_as_a_white_card_in_either_model() {
+        let light = Light::directional("key", 0.0, 0.0, 1.0, [1.0; 3]);
+        for scattering in [Scattering::Marschner, Scattering::KajiyaKay] {
+            let look = Look { scattering, environment: Environment::Off, ..unshadowed() };
+            let l = radiance(&look, &white(), std::slice::from_ref(&light));
+            // A white card shows 1 (core::light).
+            assert!((0.5..1.8).contains(&l[0]), "{scattering:?}: {l:?}");
+        }
+    }
+
+    #[test]
+    fn every_choice_that_is_off_takes_light_away() {
+        let lights =
+            [Light::directional("key", 10.0, 0.0, 1.0, [1.0; 3]), Light::directional("rim", 170.0, 0.0, 1.0, [1.0; 3])];
+        let material = HairMaterial { eumelanin: 0.4, ..white() };
+        let all = radiance(&unshadowed(), &material, &lights)[0];
+        let without: [fn(&mut Look); 5] = [
+            |look| look.lobe_r = Switch::Off,
+            |look| look.lobe_tt = Switch::Off,
+            |look| look.lobe_trt = Switch::Off,
+            |look| look.multiple_scattering = MultipleScattering::Off,
+            |look| look.environment = Environment::Off,
+        ];
+        for (which, change) in without.into_iter().enumerate() {
+            let mut look = unshadowed();
+            change(&mut look);
+            let less = radiance(&look, &material, &lights)[0];
+            assert!(less < 0.998 * all, "{which}: {less} of {all}");
+        }
+    }
+}

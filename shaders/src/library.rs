@@ -129,10 +129,7 @@ impl ShaderLibrary {
 
     /// Stems of the files that say that they can stand in for a slot.
     pub fn files_for_slot(&self, slot: &str) -> Vec<String> {
-        let mark = format!("// slot: {slot}");
-        let sources = self.sources();
-        let fits = |text: &str| text.lines().any(|line| line.trim_end() == mark);
-        sources.iter().filter(|(_, text)| fits(text)).map(|(stem, _)| stem.clone()).collect()
+        link::files_for_slot(&self.sources(), slot)
     }
 }
 

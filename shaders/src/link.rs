@@ -136,13 +136,23 @@ pub(crate) fn slots_of(sources: &Sources, file: &str) -> Result<Vec<String>, Sha
             let Some(path) = import.strip_prefix(PREFIX) else { continue };
             let name = path.split("::").next().unwrap_or(path);
             if !sources.contains_key(name) {
-                slots.insert(name.to_owned());
+                if slots.insert(name.to_owned()) {
+                    // What may stand in for it may have slots of its own.
+                    open.extend(files_for_slot(sources, name));
+                }
             } else if seen.insert(name.to_owned()) {
                 open.push(name.to_owned());
             }
         }
     }
     Ok(slots.into_iter().collect())
+}
+
+/// Stems of the files that say `// slot: NAME`.
+pub(crate) fn files_for_slot(sources: &Sources, slot: &str) -> Vec<String> {
+    let mark = format!("// slot: {slot}");
+    let fits = |text: &str| text.lines().any(|line| line.trim_end() == mark);
+    sources.iter().filter(|(_, text)| fits(text)).map(|(stem, _)| stem.clone()).collect()
 }
 
 /// naga_oil writes `item` of an imported module as `itemX_naga_oil_mod_X...X`. Bindings, overrides and whoever reads
