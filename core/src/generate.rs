@@ -6,7 +6,7 @@
 //! no strand waits for another. One strand is one thread's work on the GPU, because the twist-free frame
 //! and the arc length are carried from vertex to vertex.
 
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec3};
 use rayon::prelude::*;
 
 use crate::binding::LayerBinding;
@@ -35,6 +35,8 @@ impl Default for Pose<'_> {
 
 /// Clump operators that take part; more in one stack are left out.
 pub const MOST_CLUMP_OPS: usize = 3;
+/// Operators that displace a strand and take part; more in one stack are left out.
+pub const MOST_DISPLACING_OPS: usize = 12;
 /// Distance from the head below which strands are pushed out, in centimetres; half to one and a half of
 /// it from strand to strand, so that pushed hair is no sheet.
 pub const KEEP_OUT: f32 = 0.3;
@@ -147,6 +149,44 @@ impl Pull {
         let x = ((t - 0.6) / 0.4).clamp(0.0, 1.0);
         envelope(self.strength, self.from, self.ramp, t) * (1.0 - self.flare * x * x)
     }
+}
+
+/// A strand's own numbers in one operator.
+#[derive(Clone, Copy, Default)]
+struct Shape<'a> {
+    op: Option<&'a StyleOp>,
+    seed: u32,
+    numbers: [f32; 4],
+    away: f32,
+}
+
+/// Displacement across the strand (right, up) and away from the head (z), in centimetres.
+fn displacement(shapes: &[Shape<'_>], t: f32, arc_length: f32) -> Vec3 {
+    let mut offset = Vec3::ZERO;
+    for Shape { op, seed, numbers: [a, phase, x, y], away } in shapes {
+        let Some(op) = op else { continue };
+        match op.kind {
+            StyleKind::Length { .. } | StyleKind::Clump { .. } => {}
+            StyleKind::Wave { .. } => {
+                let size = op.envelope(t) * smoothstep(0.0, 0.5 * a, arc_length);
+                offset += size * sin_turns(phase + arc_length / a) * Vec3::new(*x, *y, 0.0);
+            }
+            StyleKind::Curl { loosen, .. } => {
+                let turns = phase + x * arc_length / (a * (1.0 + 0.5 * loosen * t));
+                let size = y * (1.0 + loosen * t) * op.envelope(t) * smoothstep(0.0, *a, arc_length);
+                offset += size * Vec3::new(sin_turns(turns + 0.25), sin_turns(turns), 0.0);
+            }
+            StyleKind::Frizz { .. } => {
+                let along = arc_length / a;
+                let size = x * op.envelope(t) * smoothstep(0.0, 1.0, along);
+                offset += size * Vec3::new(noise(*seed, along), noise(combine(*seed, 1), along), 0.0);
+            }
+            StyleKind::Deviate { .. } => {
+                offset += envelope(op.strength, *a, op.ramp, t) * Vec3::new(*x, *y, *away);
+            }
+        }
+    }
+    offset
 }
 
 fn purpose(purpose: u32, op: &StyleOp) -> u32 {
@@ -262,6 +302,8 @@ impl Generator<'_> {
         let (pulls, n_pulls) = self.pulls(strand_idx);
         let pulls = &pulls[..n_pulls];
         let last = self.n_vertices - 1;
+        let (shapes, n_shapes) = self.shapes(strand_idx);
+        let shapes = &shapes[..n_shapes];
         let base_at = |v: usize| self.clumped(strand_idx, pulls, cut * v as f32 / last as f32);
 
         let normal_in_head = self.binding.root_normals[strand_idx];
@@ -279,68 +321,59 @@ impl Generator<'_> {
             tangent = new_tangent;
             let up = tangent.cross(right);
             let t = v as f32 / last as f32;
-            let (offset, away) = self.displacement(strand_idx, t, arc_length);
-            let p = base + offset.x * right + offset.y * up + away * outwards;
+            let offset = displacement(shapes, t, arc_length);
+            let p = base + offset.x * right + offset.y * up + offset.z * outwards;
             out[v] = if v == 0 { p } else { self.keep_out(p, arc_length, seed) };
             (before, base) = (base, after);
         }
     }
 
-    /// Displacement across the strand (right, up) and away from the head, in centimetres.
-    fn displacement(&self, strand_idx: usize, t: f32, arc_length: f32) -> (Vec2, f32) {
+    /// The strand's own numbers in every operator that displaces it.
+    fn shapes(&self, strand_idx: usize) -> ([Shape<'_>; MOST_DISPLACING_OPS], usize) {
         let seed = self.binding.seeds[strand_idx];
-        let mut offset = Vec2::ZERO;
-        let mut away = 0.0;
+        let mut shapes = [Shape::default(); MOST_DISPLACING_OPS];
+        let mut n_shapes = 0;
         for op in self.active() {
-            let effect = op.envelope(t);
-            match op.kind {
-                StyleKind::Length { .. } | StyleKind::Clump { .. } => {}
+            if n_shapes == MOST_DISPLACING_OPS {
+                break;
+            }
+            let clump = self.clump_seed(strand_idx, op);
+            let of_clump = |name: u32| random(clump, purpose(name, op));
+            let of_strand = |name: u32| random(seed, purpose(name, op));
+            let numbers = match op.kind {
+                StyleKind::Length { .. } | StyleKind::Clump { .. } => continue,
                 StyleKind::Wave { amplitude, wavelength, .. } => {
-                    let clump = self.clump_seed(strand_idx, op);
-                    let period = wavelength.max(0.05) * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op)));
-                    let turns = random(clump, purpose(FOR_PHASE, op)) + arc_length / period;
-                    let size = amplitude * (0.7 + 0.6 * random(clump, purpose(FOR_SIZE, op)));
                     // Mostly to the sides, as hair lies on hair.
-                    let (sin, cos) = ((random(clump, purpose(FOR_SIDE, op)) - 0.5) * 2.0).sin_cos();
-                    let wave = sin_turns(turns) * size * effect * smoothstep(0.0, 0.5 * period, arc_length);
-                    offset += wave * Vec2::new(cos, sin);
+                    let (sin, cos) = ((of_clump(FOR_SIDE) - 0.5) * 2.0).sin_cos();
+                    let size = amplitude * (0.7 + 0.6 * of_clump(FOR_SIZE));
+                    let period = wavelength.max(0.05) * (0.85 + 0.3 * of_clump(FOR_PERIOD));
+                    [period, of_clump(FOR_PHASE), size * cos, size * sin]
                 }
-                StyleKind::Curl { radius, pitch, loosen, .. } => {
-                    let clump = self.clump_seed(strand_idx, op);
-                    let period = pitch.max(0.05)
-                        * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op)))
-                        * (1.0 + 0.5 * loosen * t);
-                    let hand = if random(clump, purpose(FOR_SIDE, op)) < 0.5 { -1.0 } else { 1.0 };
-                    let turns = random(clump, purpose(FOR_PHASE, op)) + hand * arc_length / period;
-                    let size = radius
-                        * (0.8 + 0.4 * random(clump, purpose(FOR_SIZE, op)))
-                        * (1.0 + loosen * t)
-                        * effect
-                        * smoothstep(0.0, period, arc_length);
-                    offset += size * Vec2::new(sin_turns(turns + 0.25), sin_turns(turns));
+                StyleKind::Curl { radius, pitch, .. } => {
+                    let hand = if of_clump(FOR_SIDE) < 0.5 { -1.0 } else { 1.0 };
+                    let period = pitch.max(0.05) * (0.85 + 0.3 * of_clump(FOR_PERIOD));
+                    [period, of_clump(FOR_PHASE), hand, radius * (0.8 + 0.4 * of_clump(FOR_SIZE))]
                 }
-                StyleKind::Frizz { amplitude, wavelength, .. } => {
-                    let clump = combine(self.clump_seed(strand_idx, op), purpose(FOR_NOISE, op));
-                    let x = arc_length / wavelength.max(0.05);
-                    let size = amplitude * effect * smoothstep(0.0, 1.0, x);
-                    offset += size * Vec2::new(noise(clump, x), noise(combine(clump, 1), x));
-                }
+                StyleKind::Frizz { amplitude, wavelength, .. } => [wavelength.max(0.05), 0.0, amplitude, 0.0],
                 StyleKind::Deviate { share, amplitude, lift } => {
-                    if random(seed, purpose(FOR_SHARE, op)) >= share {
+                    if of_strand(FOR_SHARE) >= share {
                         continue;
                     }
                     // Each leaves the others at its own place.
-                    let from = op.from + 0.7 * (1.0 - op.from) * random(seed, purpose(FOR_START, op));
-                    let size = amplitude
-                        * (0.3 + 0.7 * random(seed, purpose(FOR_SIZE, op)))
-                        * envelope(op.strength, from, op.ramp, t);
-                    let turns = random(seed, purpose(FOR_SIDE, op));
-                    offset += size * (1.0 - lift.abs()) * Vec2::new(sin_turns(turns + 0.25), sin_turns(turns));
-                    away += size * lift;
+                    let from = op.from + 0.7 * (1.0 - op.from) * of_strand(FOR_START);
+                    let size = amplitude * (0.3 + 0.7 * of_strand(FOR_SIZE));
+                    let around = size * (1.0 - lift.abs());
+                    let turns = of_strand(FOR_SIDE);
+                    shapes[n_shapes].away = size * lift;
+                    [from, 0.0, around * sin_turns(turns + 0.25), around * sin_turns(turns)]
                 }
-            }
+            };
+            let shape = &mut shapes[n_shapes];
+            (shape.op, shape.numbers) = (Some(op), numbers);
+            shape.seed = combine(clump, purpose(FOR_NOISE, op));
+            n_shapes += 1;
         }
-        (offset, away)
+        (shapes, n_shapes)
     }
 
     /// Push a vertex out of the head. Distances below the margin are squeezed between the skin and the

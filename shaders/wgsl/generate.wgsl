@@ -119,6 +119,16 @@ struct Pull {
     follow: f32,
 }
 
+// A strand's own numbers in one operator.
+struct Shape {
+    op: u32,
+    seed: u32,
+    away: f32,
+    numbers: vec4<f32>,
+}
+
+const MOST_DISPLACING_OPS: u32 = 12u;
+
 fn rotate(m: mat3x4<f32>, v: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(dot(m[0].xyz, v), dot(m[1].xyz, v), dot(m[2].xyz, v));
 }
@@ -252,60 +262,79 @@ fn noise(seed: u32, x: f32) -> f32 {
     return gradient_noise(seed, x) + 0.5 * gradient_noise(combine(seed, 2u), 2.0 * x + 0.37);
 }
 
-// Displacement across the strand (right, up) and away from the head (z).
-fn displacement(strand_idx: u32, seed: u32, t: f32, arc_length: f32) -> vec3<f32> {
-    var offset = vec3<f32>(0.0);
-    for (var i = 0u; i < params.n_ops; i++) {
-        let op = ops[i];
-        if op.kind <= CLUMP {
-            continue;
+// The strand's own numbers in one operator that displaces it; false where it does not.
+fn shape_of(strand_idx: u32, seed: u32, i: u32, shape: ptr<function, Shape>) -> bool {
+    let op = ops[i];
+    let clump = strands[middle_of(strand_idx, op.size_idx)].seed;
+    (*shape).op = i;
+    (*shape).away = 0.0;
+    (*shape).seed = combine(clump, purpose(FOR_NOISE, op.seed));
+    switch op.kind {
+        case WAVE: {
+            let angle = (random(clump, purpose(FOR_SIDE, op.seed)) - 0.5) * 2.0;
+            let size = op.a * (0.7 + 0.6 * random(clump, purpose(FOR_SIZE, op.seed)));
+            let period = max(op.b, 0.05) * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)));
+            let phase = random(clump, purpose(FOR_PHASE, op.seed));
+            (*shape).numbers = vec4<f32>(period, phase, size * cos(angle), size * sin(angle));
+            return true;
         }
-        let effect = envelope(op.strength, op.at, op.ramp, t);
-        let clump = strands[middle_of(strand_idx, op.size_idx)].seed;
-        switch op.kind {
-            case WAVE: {
-                let period = max(op.b, 0.05) * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)));
-                let turns = random(clump, purpose(FOR_PHASE, op.seed)) + arc_length / period;
-                let size = op.a * (0.7 + 0.6 * random(clump, purpose(FOR_SIZE, op.seed)));
-                let angle = (random(clump, purpose(FOR_SIDE, op.seed)) - 0.5) * 2.0;
-                let wave = sin_turns(turns) * size * effect * smooth_step(0.0, 0.5 * period, arc_length);
-                offset += wave * vec3<f32>(cos(angle), sin(angle), 0.0);
+        case CURL: {
+            let hand = select(1.0, -1.0, random(clump, purpose(FOR_SIDE, op.seed)) < 0.5);
+            let period = max(op.b, 0.05) * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)));
+            let phase = random(clump, purpose(FOR_PHASE, op.seed));
+            let size = op.a * (0.8 + 0.4 * random(clump, purpose(FOR_SIZE, op.seed)));
+            (*shape).numbers = vec4<f32>(period, phase, hand, size);
+            return true;
+        }
+        case FRIZZ: {
+            (*shape).numbers = vec4<f32>(max(op.b, 0.05), 0.0, op.a, 0.0);
+            return true;
+        }
+        case DEVIATE: {
+            if random(seed, purpose(FOR_SHARE, op.seed)) >= op.a {
+                return false;
             }
-            case CURL: {
-                let period = max(op.b, 0.05)
-                    * (0.85 + 0.3 * random(clump, purpose(FOR_PERIOD, op.seed)))
-                    * (1.0 + 0.5 * op.c * t);
-                let hand = select(1.0, -1.0, random(clump, purpose(FOR_SIDE, op.seed)) < 0.5);
-                let turns = random(clump, purpose(FOR_PHASE, op.seed)) + hand * arc_length / period;
-                let size = op.a
-                    * (0.8 + 0.4 * random(clump, purpose(FOR_SIZE, op.seed)))
-                    * (1.0 + op.c * t)
-                    * effect
-                    * smooth_step(0.0, period, arc_length);
-                offset += size * vec3<f32>(sin_turns(turns + 0.25), sin_turns(turns), 0.0);
-            }
-            case FRIZZ: {
-                let noise_seed = combine(clump, purpose(FOR_NOISE, op.seed));
-                let x = arc_length / max(op.b, 0.05);
-                let size = op.a * effect * smooth_step(0.0, 1.0, x);
-                offset += size * vec3<f32>(noise(noise_seed, x), noise(combine(noise_seed, 1u), x), 0.0);
-            }
-            case DEVIATE: {
-                if random(seed, purpose(FOR_SHARE, op.seed)) >= op.a {
-                    continue;
-                }
-                let at = op.at + 0.7 * (1.0 - op.at) * random(seed, purpose(FOR_START, op.seed));
-                let size = op.b
-                    * (0.3 + 0.7 * random(seed, purpose(FOR_SIZE, op.seed)))
-                    * envelope(op.strength, at, op.ramp, t);
-                let turns = random(seed, purpose(FOR_SIDE, op.seed));
-                let around = size * (1.0 - abs(op.c));
-                offset += vec3<f32>(around * sin_turns(turns + 0.25), around * sin_turns(turns), size * op.c);
-            }
-            default: {}
+            let at = op.at + 0.7 * (1.0 - op.at) * random(seed, purpose(FOR_START, op.seed));
+            let size = op.b * (0.3 + 0.7 * random(seed, purpose(FOR_SIZE, op.seed)));
+            let around = size * (1.0 - abs(op.c));
+            let turns = random(seed, purpose(FOR_SIDE, op.seed));
+            (*shape).away = size * op.c;
+            (*shape).numbers = vec4<f32>(at, 0.0, around * sin_turns(turns + 0.25), around * sin_turns(turns));
+            return true;
+        }
+        default: {
+            return false;
         }
     }
-    return offset;
+}
+
+// Displacement across the strand (right, up) and away from the head (z), by one operator.
+fn displacement(shape: Shape, t: f32, arc_length: f32) -> vec3<f32> {
+    let op = ops[shape.op];
+    let a = shape.numbers.x;
+    let phase = shape.numbers.y;
+    switch op.kind {
+        case WAVE: {
+            let size = envelope(op.strength, op.at, op.ramp, t) * smooth_step(0.0, 0.5 * a, arc_length);
+            return size * sin_turns(phase + arc_length / a) * vec3<f32>(shape.numbers.zw, 0.0);
+        }
+        case CURL: {
+            let turns = phase + shape.numbers.z * arc_length / (a * (1.0 + 0.5 * op.c * t));
+            let size = shape.numbers.w
+                * (1.0 + op.c * t)
+                * envelope(op.strength, op.at, op.ramp, t)
+                * smooth_step(0.0, a, arc_length);
+            return size * vec3<f32>(sin_turns(turns + 0.25), sin_turns(turns), 0.0);
+        }
+        case FRIZZ: {
+            let along = arc_length / a;
+            let size = shape.numbers.z * envelope(op.strength, op.at, op.ramp, t) * smooth_step(0.0, 1.0, along);
+            return size * vec3<f32>(noise(shape.seed, along), noise(combine(shape.seed, 1u), along), 0.0);
+        }
+        default: {
+            return envelope(op.strength, a, op.ramp, t) * vec3<f32>(shape.numbers.zw, shape.away);
+        }
+    }
 }
 
 fn field_index(node: vec3<u32>) -> u32 {
@@ -392,6 +421,15 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     }
     var own: Curve;
     begin(&own, strand_idx);
+    var shapes: array<Shape, MOST_DISPLACING_OPS>;
+    var n_shapes = 0u;
+    for (var i = 0u; i < params.n_ops && n_shapes < MOST_DISPLACING_OPS; i++) {
+        var shape: Shape;
+        if shape_of(strand_idx, seed, i, &shape) {
+            shapes[n_shapes] = shape;
+            n_shapes++;
+        }
+    }
 
     let outwards = rotate(params.world_from_head, strands[strand_idx].root_normal);
     var right = rotate(params.world_from_head, any_tangent(strands[strand_idx].root_normal));
@@ -458,7 +496,10 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         tangent = new_tangent;
         let up = cross(tangent, right);
         let t = f32(vertex) / f32(last);
-        let offset = displacement(strand_idx, seed, t, arc_length);
+        var offset = vec3<f32>(0.0);
+        for (var i = 0u; i < n_shapes; i++) {
+            offset += displacement(shapes[i], t, arc_length);
+        }
         var p = base + offset.x * right + offset.y * up + offset.z * outwards;
         if vertex > 0u {
             p = keep_out(p, arc_length, seed);
