@@ -4,6 +4,7 @@
 //! strand over one step, and `sim_strand.wgsl` its twin with the same names in the same order. [`clock`] cuts
 //! frames into steps of one length, [`measure`] says how well the laws are kept.
 
+pub mod bench;
 pub mod clock;
 pub mod cpu;
 pub mod gpu;
