@@ -47,9 +47,8 @@ pub fn step_times(
     let (mut cpu_ms, mut gpu_ms) = (Vec::new(), Vec::new());
     // The first round warms up pipelines and caches and is not counted.
     for round in 0..=n_rounds.max(1) {
-        let pose = |frame: u32| {
-            Motion::Shake.pose((round * FRAMES_A_ROUND + frame) as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0)
-        };
+        let pose =
+            |frame: u32| Motion::Shake.pose((round * FRAMES_A_ROUND + frame) as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0);
         let start = Instant::now();
         let mut n_steps = 0;
         for frame in 0..FRAMES_A_ROUND {
