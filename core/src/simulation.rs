@@ -56,7 +56,7 @@ impl Default for SimulationSettings {
         Self {
             solver: Solver::Guides,
             steps_per_second: 240.0,
-            n_iterations: 2,
+            n_iterations: 1,
             gravity: 981.0,
             damping: 1.5,
             bend_length: 1.5,

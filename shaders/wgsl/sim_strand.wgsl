@@ -72,6 +72,7 @@ struct Params {
 const N_PINNED = 2u;
 const MIN_EDGE = 0.05;
 const SMOOTHING = 3.0;
+const HOLD_ENDS = 7.0;
 const NOTHING_NEAR = 1e9;
 
 // First vertex of this thread's strand.
@@ -222,9 +223,15 @@ fn integrate(before: Pose, after: Pose) {
     let tilt = gravity_step - rotate(before.rotation, gravity_step);
     var from_root = 0.0;
     var own_below = vec3<f32>(0.0);
+    var own = vec3<f32>(0.0);
     for (var k = 0u; k < n; k++) {
         let x = x_at(k);
-        let previous = prev_at(k);
+        // Compute the next vertex's velocity relative to the head, before it is moved.
+        var own_above = own;
+        if k + 1u < n && k + 1u >= N_PINNED {
+            let above = x_at(k + 1u);
+            own_above = above - prev_at(k + 1u) - (pose_apply(carry, above) - above);
+        }
         set_prev(k, x);
         if k > 0u {
             from_root += distance(rest_at(k), rest_at(k - 1u));
@@ -232,22 +239,17 @@ fn integrate(before: Pose, after: Pose) {
         if k < N_PINNED {
             set_x(k, pose_apply(after, rest_at(k)));
         } else {
-            let with_head = pose_apply(carry, x) - x;
-            let own = x - previous - with_head;
-            var own_above = own;
-            if k + 1u < n {
-                let above = x_at(k + 1u);
-                own_above = above - prev_at(k + 1u) - (pose_apply(carry, above) - above);
-            }
+            // Level the velocity out with the neighbours', lose some of it to the head and to the air.
             let levelled = own + params.step.rub * (own_below + own_above - 2.0 * own);
-            own_below = own;
-            var v = with_head + params.step.keep * levelled;
+            var v = pose_apply(carry, x) - x + params.step.keep * levelled;
             v += params.step.take_up * (params.step.wind_step - v);
             let aside = x - pose_apply(before, rest_at(k));
             let swing = sqrt(from_root * from_root + dot(aside, aside));
             let pendulum = -aside * (length(gravity_step) / max(swing, MIN_EDGE));
             set_x(k, x + clamp_length(v, params.step.max_displacement) + tilt + pendulum);
         }
+        own_below = own;
+        own = own_above;
     }
 }
 
@@ -317,6 +319,9 @@ fn hold(after: Pose) {
     var from_root = distance(rest_at(1u), rest_at(0u));
     for (var k = N_PINNED; k < params.n_vertices; k++) {
         from_root += distance(rest_at(k), rest_at(k - 1u));
+        if from_root > HOLD_ENDS * params.step.hold_length {
+            break;
+        }
         let stiffness = params.step.hold * exp(-from_root / params.step.hold_length);
         let x = x_at(k);
         set_x(k, x + (pose_apply(after, rest_at(k)) - x) * (stiffness / (1.0 + stiffness)));

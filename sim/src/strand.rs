@@ -43,6 +43,8 @@ const MIN_EDGE: f32 = 0.05;
 const RUB: f32 = 20.0;
 /// Length over which the strand's frame is smoothed, cm: more than a curl's pitch.
 const SMOOTHING: f32 = 3.0;
+/// Times its length, where the hold has faded to a thousandth and ends.
+const HOLD_ENDS: f32 = 7.0;
 /// Faster hair is not seen, only missed: cm/s.
 const MAX_SPEED: f32 = 3000.0;
 /// Standard gravity, by which `bend_length` becomes a stiffness; not the scene's gravity, cm/s2.
@@ -144,11 +146,17 @@ fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
     let gravity_step = Vec3::from_array(p.gravity_step);
     // What gravity has become for a head that is not upright: zero while it is.
     let tilt = gravity_step - rotate(before.rotation, gravity_step);
+    let with_head = |x: Vec3| carry.apply(x) - x;
     let mut from_root = 0.0;
-    let mut own_below = Vec3::ZERO;
+    let (mut own_below, mut own) = (Vec3::ZERO, Vec3::ZERO);
     for k in 0..s.x.len() {
         let x = s.x[k].xyz();
-        let previous = s.prev[k].xyz();
+        // Compute the next vertex's velocity relative to the head, before it is moved.
+        let mut own_above = own;
+        if k + 1 < s.x.len() && k + 1 >= N_PINNED {
+            let above = s.x[k + 1].xyz();
+            own_above = above - s.prev[k + 1].xyz() - with_head(above);
+        }
         set(&mut s.prev[k], x);
         if k > 0 {
             from_root += s.rest[k].xyz().distance(s.rest[k - 1].xyz());
@@ -156,23 +164,17 @@ fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
         if k < N_PINNED {
             set(&mut s.x[k], after.apply(s.rest[k].xyz()));
         } else {
-            // Compute the velocity relative to the head, and level it out with the neighbours'.
-            let with_head = carry.apply(x) - x;
-            let own = x - previous - with_head;
-            let mut own_above = own;
-            if k + 1 < s.x.len() {
-                let above = s.x[k + 1].xyz();
-                own_above = above - s.prev[k + 1].xyz() - (carry.apply(above) - above);
-            }
+            // Level the velocity out with the neighbours', lose some of it to the head and to the air.
             let levelled = own + p.rub * (own_below + own_above - 2.0 * own);
-            own_below = own;
-            let mut v = with_head + p.keep * levelled;
+            let mut v = with_head(x) + p.keep * levelled;
             v += p.take_up * (Vec3::from_array(p.wind_step) - v);
             let aside = x - before.apply(s.rest[k].xyz());
-            let pendulum = -aside
-                * (gravity_step.length() / (from_root * from_root + aside.length_squared()).sqrt().max(MIN_EDGE));
+            let swing = (from_root * from_root + aside.length_squared()).sqrt();
+            let pendulum = -aside * (gravity_step.length() / swing.max(MIN_EDGE));
             set(&mut s.x[k], x + clamp_length(v, p.max_displacement) + tilt + pendulum);
         }
+        own_below = own;
+        own = own_above;
     }
 }
 
@@ -242,6 +244,9 @@ fn hold(s: &mut Strand<'_>, p: &StepParams, after: Pose) {
     let mut from_root = s.rest[1].xyz().distance(s.rest[0].xyz());
     for k in N_PINNED..s.x.len() {
         from_root += s.rest[k].xyz().distance(s.rest[k - 1].xyz());
+        if from_root > HOLD_ENDS * p.hold_length {
+            break;
+        }
         let stiffness = p.hold * (-from_root / p.hold_length).exp();
         let x = s.x[k].xyz();
         set(&mut s.x[k], x + (after.apply(s.rest[k].xyz()) - x) * (stiffness / (1.0 + stiffness)));
