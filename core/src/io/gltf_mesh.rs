@@ -3,6 +3,7 @@
 //! The gltf crate parses and validates the JSON; buffers and accessors are read here, because its own
 //! accessors trust the offsets in the file, and its importer would also decode every texture.
 
+use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
 
 use glam::{Mat4, Vec3};
@@ -24,20 +25,26 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
     let bad = |source: &Source<'_>, problem: String| {
         source.corrupt(Place::Part("its glTF description".to_owned()), problem, "Export it again as GLB")
     };
-    if bytes.starts_with(b"glTF") {
-        check_glb_length(source, &bytes)?;
-    }
-    let gltf::Gltf { document, blob } =
-        gltf::Gltf::from_slice(&bytes).map_err(|error| bad(source, format!("is not valid glTF: {error};")))?;
-    drop(bytes);
-    for extension in document.extensions_required() {
-        if matches!(extension, "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression") {
+    let (json, blob) = if bytes.starts_with(b"glTF") { split_glb(source, &bytes)? } else { (&bytes[..], None) };
+    let mut root: gltf::json::Root =
+        gltf::json::deserialize::from_slice(json).map_err(|error| bad(source, format!("is not glTF: {error};")))?;
+    // Only the shape is read: what materials, lights and animations require does not matter.
+    for extension in std::mem::take(&mut root.extensions_required) {
+        if matches!(&*extension, "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression") {
             return Err(source.wrong_kind(
                 format!("is compressed with {extension}, which is not read"),
                 "Export it again without compression",
             ));
         }
     }
+    // The crate's own validation looks these up before it has checked them.
+    let n_accessors = root.accessors.len();
+    let mut used = root.meshes.iter().flat_map(|mesh| &mesh.primitives).flat_map(|p| p.attributes.values());
+    if let Some(index) = used.find(|index| index.value() >= n_accessors) {
+        return Err(bad(source, format!("names accessor {} of {n_accessors};", index.value())));
+    }
+    let document =
+        gltf::Document::from_json(root).map_err(|error| bad(source, format!("is not valid glTF: {error};")))?;
     let buffers = Buffers::load(source, &document, blob)?;
     let mut raw = RawMesh::default();
     let is_visited = vec![false; document.nodes().len()];
@@ -57,38 +64,65 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
     raw.finish(source, Format::Gltf)
 }
 
-/// A GLB says its own length.
-fn check_glb_length(source: &Source<'_>, bytes: &[u8]) -> Result<(), ReadError> {
-    let said = bytes.get(8..12).map_or(0, |b| u64::from(u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
-    if bytes.len() < 20 || said > bytes.len() as u64 {
+/// The JSON and the binary chunk of a GLB. The gltf crate's own function trusts the lengths.
+fn split_glb<'b>(source: &Source<'_>, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]>), ReadError> {
+    const NEXT: &str = "Export it again as GLB of version 2";
+    let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let bad = |at: usize, problem: String| source.corrupt(Place::Byte(at as u64), problem, NEXT);
+    let (Some(version), Some(length), Some(_)) = (word(4), word(8), word(16)) else {
+        return Err(bad(bytes.len(), "ends before its header does".to_owned()));
+    };
+    if version != 2 {
+        return Err(bad(4, format!("is glTF of version {version}, and only version 2 is read;")));
+    }
+    let length = length as usize;
+    if length > bytes.len() {
         return Err(ReadError::Truncated {
             path: source.path().to_owned(),
             place: Place::Byte(bytes.len() as u64),
             part: "the binary glTF".to_owned(),
-            needed: said.max(20) - bytes.len() as u64,
+            needed: (length - bytes.len()) as u64,
             has: 0,
         });
     }
-    Ok(())
+    let (mut json, mut blob) = (None, None);
+    let mut at = 12;
+    while at + 8 <= length {
+        let n = word(at).unwrap_or(0) as usize;
+        let end = (at + 8).saturating_add(n);
+        let Some(chunk) = bytes[..length].get(at + 8..end) else {
+            return Err(bad(at, format!("has a chunk of {n} bytes that reaches past its end")));
+        };
+        match &bytes[at + 4..at + 8] {
+            b"JSON" if json.is_none() => json = Some(chunk),
+            b"BIN\0" if blob.is_none() => blob = Some(chunk),
+            _ => {}
+        }
+        at = end.next_multiple_of(4);
+    }
+    match json {
+        Some(json) => Ok((json, blob)),
+        None => Err(bad(12, "has no JSON chunk".to_owned())),
+    }
 }
 
 /// The bytes of every buffer.
-struct Buffers(Vec<Vec<u8>>);
+struct Buffers<'b>(Vec<Cow<'b, [u8]>>);
 
-impl Buffers {
-    fn load(source: &mut Source<'_>, document: &gltf::Document, mut blob: Option<Vec<u8>>) -> Result<Self, ReadError> {
+impl<'b> Buffers<'b> {
+    fn load(source: &mut Source<'_>, document: &gltf::Document, mut blob: Option<&'b [u8]>) -> Result<Self, ReadError> {
         let mut buffers = Vec::new();
         for buffer in document.buffers() {
             let part = || Place::Part(format!("buffer {}", buffer.index()));
             let bytes = match buffer.source() {
-                gltf::buffer::Source::Bin => blob.take().ok_or_else(|| {
+                gltf::buffer::Source::Bin => blob.take().map(Cow::Borrowed).ok_or_else(|| {
                     source.corrupt(part(), "has no binary chunk for its buffer", "Export it again as GLB")
                 })?,
                 gltf::buffer::Source::Uri(uri) => match uri.strip_prefix("data:") {
-                    Some(data) => decode_data_uri(data).ok_or_else(|| {
+                    Some(data) => decode_data_uri(data).map(Cow::Owned).ok_or_else(|| {
                         source.corrupt(part(), "has embedded data that is not base64", "Export it again as GLB")
                     })?,
-                    None => read_beside(source, uri)?,
+                    None => Cow::Owned(read_beside(source, uri)?),
                 },
             };
             if bytes.len() < buffer.length() {
@@ -180,7 +214,7 @@ fn decode_data_uri(data: &str) -> Option<Vec<u8>> {
 
 struct SceneReader<'r, 'a> {
     source: &'r mut Source<'a>,
-    buffers: &'r Buffers,
+    buffers: &'r Buffers<'r>,
     raw: &'r mut RawMesh,
     /// Whether every primitive so far had texture coordinates.
     has_uvs: bool,
@@ -270,21 +304,27 @@ impl SceneReader<'_, '_> {
         if components != N {
             return Err(self.unusable(part, "have the wrong number of components"));
         }
-        // Normalised whole numbers, as texture coordinates may be.
-        let (size, scale) = match accessor.data_type() {
+        // Whole numbers, as KHR_mesh_quantization allows; glTF 2.0, 3.6.2.2 says what normalised ones mean.
+        let (size, full_scale) = match accessor.data_type() {
             DataType::F32 => (4, 1.0),
-            DataType::U8 => (1, 1.0 / 255.0),
-            DataType::U16 => (2, 1.0 / 65535.0),
-            DataType::I8 | DataType::I16 | DataType::U32 => {
-                return Err(self.unusable(part, "are stored in a type that is not read"));
-            }
+            DataType::U8 => (1, 255.0),
+            DataType::I8 => (1, 127.0),
+            DataType::U16 => (2, 65535.0),
+            DataType::I16 => (2, 32767.0),
+            DataType::U32 => return Err(self.unusable(part, "are stored in a type that is not read")),
         };
-        let scale = if accessor.normalized() || size == 4 { scale } else { 1.0 };
+        let data_type = accessor.data_type();
+        let scale: f32 = if accessor.normalized() { 1.0 / full_scale } else { 1.0 };
         self.elements(accessor, size * N, part, |bytes| {
-            std::array::from_fn(|i| match size {
-                4 => f32::from_le_bytes([bytes[i * 4], bytes[i * 4 + 1], bytes[i * 4 + 2], bytes[i * 4 + 3]]),
-                2 => f32::from(u16::from_le_bytes([bytes[i * 2], bytes[i * 2 + 1]])) * scale,
-                _ => f32::from(bytes[i]) * scale,
+            std::array::from_fn(|i| {
+                let b = &bytes[i * size..];
+                match data_type {
+                    DataType::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+                    DataType::U8 | DataType::U32 => f32::from(b[0]) * scale,
+                    DataType::I8 => f32::from(b[0] as i8) * scale,
+                    DataType::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])) * scale,
+                    DataType::I16 => f32::from(i16::from_le_bytes([b[0], b[1]])) * scale,
+                }
             })
         })
     }

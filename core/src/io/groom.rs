@@ -115,10 +115,7 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
     let has_own_widths = !placed.strands.radii_um.is_empty();
     let mut layer = Layer::from_strands(&name, placed.strands);
     layer.vertices_per_strand = (most_points as u32).clamp(4, 128);
-    layer.radius_um = placed.radius_um.unwrap_or_else(|| {
-        // Fewer strands than hairs stand for several each: the same area is covered.
-        (HAIR_RADIUS_UM * N_HAIRS / n_strands as f32).clamp(HAIR_RADIUS_UM, WIDEST_RADIUS_UM)
-    });
+    layer.radius_um = placed.radius_um.unwrap_or_else(|| default_radius_um(n_strands));
     if !has_own_widths && layer.radius_um > HAIR_RADIUS_UM {
         warnings.push(format!(
             "no widths in the file: {n_strands} strands were given {:.0} um radius, to cover what 100,000 hairs of \
@@ -129,6 +126,12 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
     let head = head.map(|head| Head { name: stem(&head.path, "Head"), mesh: Arc::new(head.place()) });
     let groom = Groom { name, head, layers: vec![layer], ..Groom::default() };
     GroomImport { groom, space, space_reason, head_space, warnings }
+}
+
+/// Radius for strands that come without: fewer strands than hairs stand for several each, so that the same
+/// area is covered.
+pub(crate) fn default_radius_um(n_strands: usize) -> f32 {
+    (HAIR_RADIUS_UM * N_HAIRS / n_strands.max(1) as f32).clamp(HAIR_RADIUS_UM, WIDEST_RADIUS_UM)
 }
 
 /// Whether the hair's roots lie at the head: in its box, grown by a fifth.

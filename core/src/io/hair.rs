@@ -20,6 +20,9 @@ const HAS_THICKNESS: u32 = 4;
 const HAS_TRANSPARENCY: u32 = 8;
 const HAS_COLOURS: u32 = 16;
 
+/// What cyHairFile, the format's own library, leaves in the header of files without widths.
+const UNSET_THICKNESS: f32 = 1.0;
+
 pub(crate) fn read(source: &mut Source<'_>) -> Result<StrandImport, ReadError> {
     source.seek(4)?;
     let n_strands = u64::from(source.u32("the header")?);
@@ -53,7 +56,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<StrandImport, ReadError> {
     if flags & HAS_THICKNESS != 0 {
         raw.thickness = source.array(n_points, "the thickness of each point")?;
         raw.attributes.push("thickness");
-    } else if default_thickness > 0.0 && default_thickness.is_finite() {
+    } else if default_thickness > 0.0 && default_thickness.is_finite() && default_thickness != UNSET_THICKNESS {
         raw.thickness = source.reserve(n_points)?;
         raw.thickness.resize(n_points as usize, default_thickness);
     }

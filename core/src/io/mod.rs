@@ -35,7 +35,7 @@ pub(crate) use atomic::write_atomically;
 pub use convert::{ConvertError, ConvertOptions, Converted, What, convert, strands_of};
 pub use detect::{Contents, Format, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS, detect};
 pub use error::{Place, ReadError, WriteError};
-pub use groom::{GroomImport, ImportOptions, import_groom};
+pub use groom::{GroomImport, ImportOptions, groom_of, import_groom};
 pub use guess::Guess;
 pub use import::{MeshImport, PlacedStrands, StrandImport};
 pub use info::{Info, InfoError, info};

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use glam::Vec3;
 
+use super::groom::default_radius_um;
 use super::space::{Axis, Space, Unit};
 use crate::strands::Strands;
 
@@ -31,15 +32,24 @@ pub(crate) fn write(out: &mut dyn Write, strands: &Strands, space: Space, diamet
     writeln!(out, "        uniform token wrap = \"pinned\"")?;
     write!(out, "        int[] curveVertexCounts = [")?;
     list(out, strands.iter(), |out, points| write!(out, "{}", points.len()))?;
-    let widest = strands.radii_um.iter().fold(0.0f32, |widest, &radius| widest.max(radius)) * diameter_per_um;
-    let (min, max) = extent(strands);
+    // Without widths a renderer would take its own, often a whole unit.
+    let constant_um = default_radius_um(strands.n_strands());
+    let widest = strands.radii_um.iter().copied().reduce(f32::max).unwrap_or(constant_um) * diameter_per_um;
+    // As USD computes it: the box of the points, grown by the widest radius.
+    let (min, max) = strands.bounds().unwrap_or_default();
     let grown = [min - Vec3::splat(0.5 * widest), max + Vec3::splat(0.5 * widest)];
     write!(out, "]\n        float3[] extent = [")?;
     list(out, grown.iter(), |out, p| tuple(out, &p.to_array()))?;
     write!(out, "]\n        point3f[] points = [")?;
     list(out, strands.points.iter(), |out, p| tuple(out, &p.to_array()))?;
     writeln!(out, "]")?;
-    if !strands.radii_um.is_empty() {
+    if strands.radii_um.is_empty() {
+        writeln!(
+            out,
+            "        float[] widths = [{}] (\n            interpolation = \"constant\"\n        )",
+            constant_um * diameter_per_um
+        )?;
+    } else {
         write!(out, "        float[] widths = [")?;
         list(out, strands.radii_um.iter(), |out, radius_um| write!(out, "{}", radius_um * diameter_per_um))?;
         writeln!(out, "] (\n            interpolation = \"vertex\"\n        )")?;
@@ -60,20 +70,6 @@ pub(crate) fn write(out: &mut dyn Write, strands: &Strands, space: Space, diamet
         writeln!(out, "] (\n            interpolation = \"uniform\"\n        )")?;
     }
     writeln!(out, "    }}\n}}")
-}
-
-/// A box around the curves. A Catmull-Rom segment stays within an eighth of its neighbours' size of its
-/// ends, and the phantom end points of pinned curves mirror the next ones: the ends' own control points.
-fn extent(strands: &Strands) -> (Vec3, Vec3) {
-    let (mut lo, mut hi) = strands.bounds().unwrap_or_default();
-    for points in strands.iter() {
-        let n = points.len();
-        for phantom in [2.0 * points[0] - points[1], 2.0 * points[n - 1] - points[n - 2]] {
-            lo = lo.min(phantom);
-            hi = hi.max(phantom);
-        }
-    }
-    (lo, hi)
 }
 
 fn list<T>(

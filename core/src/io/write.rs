@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::atomic::write_atomically;
 use super::detect::Format;
 use super::error::WriteError;
+use super::groom::default_radius_um;
 use super::source::Watch;
 use super::space::{Axis, Space, Unit, transform_points};
 use super::{hair, salon, tfx, usda};
@@ -103,6 +104,10 @@ pub fn write_strands(
             warnings.extend(lost("colour", !placed.colours.is_empty()));
             warnings.extend(lost("opacity", !placed.opacities.is_empty()));
             warnings.extend(lost("root texture coordinates", !placed.root_uvs.is_empty()));
+        }
+        Format::Usda if placed.radii_um.is_empty() => {
+            let radius_um = default_radius_um(placed.n_strands());
+            warnings.push(format!("the strands have no widths: {radius_um:.0} um radius was written for all"));
         }
         _ => {}
     }

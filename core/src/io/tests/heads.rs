@@ -89,7 +89,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<MeshImport, String> {
     read_mesh_from_bytes(name, bytes).map_err(|error| error.to_string())
 }
 
-fn good() -> Vec<(&'static str, Vec<u8>)> {
+pub(super) fn good() -> Vec<(&'static str, Vec<u8>)> {
     let data = format!(r#","uri":"data:application/octet-stream;base64,{}""#, base64(&gltf_buffer()));
     vec![
         ("head.obj", OBJ.as_bytes().to_vec()),
@@ -192,6 +192,28 @@ fn gltf_that_lies_is_refused() {
         let result = read("head.glb", &glb(&json, &buffer));
         assert!(lie == "index" || result.is_err(), "{lie} was believed");
     }
+}
+
+#[test]
+fn what_made_the_gltf_crate_panic_is_refused() {
+    // Found by changing bytes at random: a GLB shorter than its header by its own word, a position without accessors.
+    for length in [0u8, 5, 11] {
+        let mut bytes = glb(&gltf_json("", NODES), &gltf_buffer());
+        bytes[8..12].copy_from_slice(&[length, 0, 0, 0]);
+        assert!(read("head.glb", &bytes).is_err());
+    }
+    let json = gltf_json("", NODES).replace("\"accessors\"", "\"accessors_\"");
+    assert!(read("head.glb", &glb(&json, &gltf_buffer())).is_err());
+}
+
+#[test]
+fn extensions_that_change_no_shape_do_not_stop_a_head() {
+    let with = |extension: &str| {
+        let json = gltf_json("", NODES).replacen('{', &format!("{{\"extensionsRequired\":[\"{extension}\"],"), 1);
+        read("head.glb", &glb(&json, &gltf_buffer()))
+    };
+    assert_eq!(with("KHR_texture_transform").expect("only the picture moves").mesh.triangles.len(), 2);
+    assert!(with("KHR_draco_mesh_compression").expect_err("the shape is packed").contains("without compression"));
 }
 
 #[test]

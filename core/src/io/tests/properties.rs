@@ -72,6 +72,19 @@ proptest! {
     }
 
     #[test]
+    fn good_heads_with_bytes_changed_never_panic(
+        head_idx in 0..5usize,
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let (name, mut bytes) = super::heads::good().swap_remove(head_idx);
+        for (at, value) in changes {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        read_everything(name, &bytes);
+    }
+
+    #[test]
     fn words_of_text_formats_in_any_order_never_panic(
         words in prop::collection::vec(prop::sample::select(vec![
             "ply\n", "format ascii 1.0\n", "format binary_little_endian 1.0\n", "element vertex 2\n", "element strand 1\n",

@@ -101,6 +101,9 @@ fn what_a_format_cannot_hold_is_said() {
     assert!(warnings("a.tfx").contains("resampled to 8"));
     assert!(warnings("a.hair").contains("root texture coordinates"));
     assert_eq!(warnings("a.usda"), "");
+    let bare = sample_hair(3, |_| 5);
+    let warnings = write_strands(&folder.path().join("b.usda"), &bare, WriteOptions::default(), Watch::default());
+    assert!(warnings.expect("writable")[0].contains("no widths"));
 }
 
 #[test]
