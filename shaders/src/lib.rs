@@ -6,7 +6,8 @@
 //! - `#import lorelei::NAME::{item, ..}` imports;
 //! - resources are `@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;`: numbers are given
 //!   per entry point after linking, to the variables that it uses;
-//! - `override N: u32 = 4u;` is set by name when the pipeline is made;
+//! - `override N: u32 = 4u;` is set by name when the pipeline is made, but cannot size a workgroup (naga_oil 0.23
+//!   loses such an override's expression): `@workgroup_size(#{WIDTH})` with [`Link::DefU32`] can;
 //! - a *slot* is an import path that no file defines: [`Link::Slot`] says which file stands in for it. A file that can
 //!   says so by a line `// slot: NAME`, so that a test links every combination.
 

@@ -8,7 +8,6 @@ const SCALE: &str = "
 #import lorelei::offset::{offset_of, extra}
 
 override SCALE: f32 = 1.0;
-override WIDTH: u32 = 64u;
 
 struct Params { n: u32, bias: f32 }
 
@@ -17,9 +16,9 @@ struct Params { n: u32, bias: f32 }
 @group(0) @binding(auto) var<storage, read_write> results: array<f32>;
 @group(0) @binding(auto) var<storage, read_write> unused_here: array<f32>;
 
-@compute @workgroup_size(WIDTH)
+@compute @workgroup_size(#{WIDTH})
 fn scale(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) groups: vec3<u32>) {
-    let i = id.x + id.y * groups.x * WIDTH;
+    let i = id.x + id.y * groups.x * #{WIDTH}u;
     if i >= params.n { return; }
     results[i] = numbers[i] * SCALE * factor() + params.bias + offset_of(i);
 }
@@ -35,6 +34,8 @@ fn offset_of(i: u32) -> f32 { return offsets[i]; }
 ";
 const TWO: &str = "// slot: factor\n#define_import_path lorelei::factor_two\nfn factor() -> f32 { return 2.0; }\n";
 const TEN: &str = "// slot: factor\n#define_import_path lorelei::factor_ten\nfn factor() -> f32 { return 10.0; }\n";
+
+const WIDTH: Link<'_> = Link::DefU32("WIDTH", 64);
 
 fn samples() -> ShaderLibrary {
     ShaderLibrary::from_sources(&[("scale", SCALE), ("offset", OFFSET), ("factor_two", TWO), ("factor_ten", TEN)])
@@ -74,8 +75,8 @@ fn a_kernel_runs_with_slot_and_override_and_is_bound_by_name() {
     let gpu = Gpu::headless().unwrap();
     for (stem, factor) in [("factor_two", 2.0), ("factor_ten", 10.0)] {
         for (scale, width) in [(3.0, 32), (0.5, 64)] {
-            let overrides = [("SCALE", scale), ("WIDTH", f64::from(width))];
-            let kernel = samples().kernel(&gpu, "scale", "scale", &overrides, &[Link::Slot("factor", stem)]).unwrap();
+            let links = [Link::Slot("factor", stem), Link::DefU32("WIDTH", width)];
+            let kernel = samples().kernel(&gpu, "scale", "scale", &[("SCALE", scale)], &links).unwrap();
             assert_eq!(kernel.workgroup_size(), [width, 1, 1]);
             let results = run_scale(&gpu, &kernel);
             for (i, &result) in results.iter().take(100).enumerate() {
@@ -89,7 +90,7 @@ fn a_kernel_runs_with_slot_and_override_and_is_bound_by_name() {
 #[test]
 fn binding_says_which_name_is_missing_or_unknown() {
     let gpu = Gpu::headless().unwrap();
-    let kernel = samples().kernel(&gpu, "scale", "other", &[], &[Link::Slot("factor", "factor_two")]).unwrap();
+    let kernel = samples().kernel(&gpu, "scale", "other", &[], &[Link::Slot("factor", "factor_two"), WIDTH]).unwrap();
     assert_eq!(kernel.names().collect::<Vec<_>>(), ["unused_here"]);
     let buffer = gpu.buffer("b", 16, wgpu::BufferUsages::STORAGE);
     let missing = kernel.bind(&gpu, &[]).unwrap_err();
@@ -124,9 +125,9 @@ fn faults_say_file_and_line() {
     assert!(message.contains("thre"), "{message}");
 
     let library = samples();
-    let no_slot = library.validate("scale", &[]).unwrap_err();
+    let no_slot = library.validate("scale", &[WIDTH]).unwrap_err();
     assert!(matches!(&no_slot, ShaderError::NoImport { import, .. } if import.contains("factor")), "{no_slot}");
-    let slot = [Link::Slot("factor", "factor_two")];
+    let slot = [Link::Slot("factor", "factor_two"), WIDTH];
     let no_entry = library.kernel(&gpu, "scale", "scael", &[], &slot).unwrap_err();
     assert!(no_entry.to_string().contains("scale, other"), "{no_entry}");
     let no_override = library.kernel(&gpu, "scale", "scale", &[("SCLAE", 1.0)], &slot).unwrap_err();
@@ -143,8 +144,9 @@ fn a_bad_edit_keeps_the_last_good_shader_and_a_good_one_replaces_it() {
         std::fs::write(folder.path().join(format!("{stem}.wgsl")), text).unwrap();
     }
     let library = ShaderLibrary::watching(folder.path()).unwrap();
-    let make =
-        |library: &ShaderLibrary| library.kernel(&gpu, "scale", "scale", &[], &[Link::Slot("factor", "factor_two")]);
+    let make = |library: &ShaderLibrary| {
+        library.kernel(&gpu, "scale", "scale", &[], &[Link::Slot("factor", "factor_two"), WIDTH])
+    };
     let mut kernel = Hot::new(&library, make).unwrap();
     // File systems stamp as coarsely as a few milliseconds, so each edit gets a time of its own.
     let mut seconds = 0;
