@@ -1,12 +1,23 @@
 //! A scene in, a texture out; and the CPU references that it is tested against.
 
 pub mod exact;
+mod frame;
 pub mod generate;
+mod head;
 pub mod mirror;
+mod profile;
+mod raster;
+mod renderer;
+mod resolve;
 pub mod ribbons;
+pub mod sample;
 pub mod scattering;
 pub mod scene;
 pub mod shade;
 pub mod shadow;
 pub mod slot;
 pub mod view;
+
+pub use frame::FrameInput;
+pub use raster::TooManyVertices;
+pub use renderer::{FrameStatistics, Pixels, RenderError, Renderer};

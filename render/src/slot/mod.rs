@@ -1,6 +1,8 @@
 //! One exhaustive `match` for each question of the look: which WGSL file stands in for which slot. A new technique is
 //! a variant, a file and an arm; the compiler finds the missing arm.
 
+mod drawing;
 mod shading;
 
+pub use drawing::{background, tonemapping, transparency};
 pub use shading::{environment, lobes, multiple_scattering, scattering, shadowing};

@@ -1,0 +1,85 @@
+//! What a frame is rendered from and into: the input, and the textures of one picture size.
+
+use glam::Affine3A;
+use lorelei_core::camera::Camera;
+use lorelei_shaders::{Gpu, GpuError};
+
+/// Colour of scene light: half floats, premultiplied.
+pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+/// Samples a pixel of the head.
+pub(crate) const N_SAMPLES: u32 = 4;
+
+/// What changes from frame to frame.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameInput<'a> {
+    pub camera: &'a Camera,
+    /// Pixels.
+    pub size: [u32; 2],
+    /// Where the head is.
+    pub world_from_head: Affine3A,
+    /// Per layer: guide positions in world space, `array<vec4<f32>>`; `None` (or a list that ends earlier): at rest.
+    pub guides: &'a [Option<&'a wgpu::Buffer>],
+    /// Multiplies the look's level of detail: below 1 while the camera moves on a slow device.
+    pub lod_scale: f32,
+}
+
+/// Textures of one picture size.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub size: [u32; 2],
+    pub head_samples: wgpu::TextureView,
+    pub head_depth_samples: wgpu::TextureView,
+    /// Premultiplied; alpha is the share of the pixel that the head covers.
+    pub head_colour: wgpu::TextureView,
+    /// View depth, centimetres.
+    pub head_depth: wgpu::TextureView,
+    /// Premultiplied hair that is seen past the head.
+    pub hair: wgpu::TextureView,
+    pub output: wgpu::Texture,
+    pub output_view: wgpu::TextureView,
+}
+
+impl Targets {
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        use wgpu::TextureUsages as Usage;
+        let texture = |label, format, sample_count, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+        gpu.checked(|| {
+            let attached = Usage::RENDER_ATTACHMENT;
+            let read = Usage::TEXTURE_BINDING;
+            let output = texture(
+                "frame.output",
+                wgpu::TextureFormat::Rgba8Unorm,
+                1,
+                read | Usage::STORAGE_BINDING | Usage::COPY_SRC,
+            );
+            Self {
+                size,
+                head_samples: view(&texture("head.samples", COLOUR, N_SAMPLES, attached)),
+                head_depth_samples: view(&texture("head.depth_samples", DEPTH, N_SAMPLES, attached | read)),
+                head_colour: view(&texture("head.colour", COLOUR, 1, attached | read)),
+                head_depth: view(&texture(
+                    "head.depth",
+                    wgpu::TextureFormat::R32Float,
+                    1,
+                    read | Usage::STORAGE_BINDING | Usage::COPY_SRC,
+                )),
+                hair: view(&texture("hair", COLOUR, 1, attached | read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
+                output_view: view(&output),
+                output,
+            }
+        })
+    }
+}

@@ -1,0 +1,185 @@
+//! The head through the graphics pipeline: matte skin, four samples a pixel so that its outline is smooth, and the
+//! depth that hair is compared with.
+
+use std::collections::HashMap;
+
+use glam::{Affine3A, Mat4};
+use lorelei_core::look::{Look, Shadowing};
+use lorelei_core::mesh::TriMesh;
+use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
+use wgpu::BufferUsages;
+
+use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
+use crate::scene::SceneBuffers;
+use crate::shadow::Shadow;
+use crate::slot;
+
+/// Twin of `HeadLook` in head.wgsl.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct HeadLook {
+    world_from_head: [[f32; 4]; 4],
+    albedo: [f32; 3],
+    pad: f32,
+}
+
+struct Mesh {
+    positions: wgpu::Buffer,
+    normals: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    n_indices: u32,
+}
+
+/// The head pass.
+pub(crate) struct HeadPass {
+    draws: HashMap<Shadowing, Hot<Draw>>,
+    depth: Hot<Kernel>,
+    look: wgpu::Buffer,
+    mesh: Option<Mesh>,
+}
+
+/// What the pass needs of the frame.
+pub(crate) struct HeadInput<'a> {
+    pub look: &'a Look,
+    pub world_from_head: Affine3A,
+    pub is_shown: bool,
+    pub view: &'a wgpu::Buffer,
+    pub tile_backs: &'a wgpu::Buffer,
+    pub targets: &'a Targets,
+    pub scene: &'a SceneBuffers,
+    pub shadow: &'a Shadow,
+}
+
+impl HeadPass {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+        Ok(Self {
+            draws: HashMap::new(),
+            depth: Hot::new(library, |library| make_depth(gpu, library))?,
+            look: gpu.buffer("head.look", size_of::<HeadLook>() as u64, BufferUsages::UNIFORM),
+            mesh: None,
+        })
+    }
+
+    pub fn set_mesh(&mut self, gpu: &Gpu, mesh: Option<&TriMesh>) {
+        self.mesh = mesh.filter(|mesh| !mesh.triangles.is_empty()).map(|mesh| {
+            let computed;
+            let normals = if mesh.normals.len() == mesh.positions.len() {
+                &mesh.normals
+            } else {
+                let mut copy = mesh.clone();
+                copy.compute_normals();
+                computed = copy.normals;
+                &computed
+            };
+            Mesh {
+                positions: gpu.buffer_of("head.positions", &mesh.positions, BufferUsages::STORAGE),
+                normals: gpu.buffer_of("head.normals", normals, BufferUsages::STORAGE),
+                indices: gpu.buffer_of("head.indices", &mesh.triangles, BufferUsages::STORAGE),
+                n_indices: 3 * mesh.triangles.len() as u32,
+            }
+        });
+    }
+
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.draws.values().find_map(Hot::error).or(self.depth.error())
+    }
+
+    /// Draw head colour and depth into the targets; both are cleared where there is no head.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &HeadInput<'_>,
+    ) -> Result<(), ShaderError> {
+        let shadowing = input.look.shadowing;
+        if let Some(draw) = self.draws.get_mut(&shadowing) {
+            draw.refresh(library, |library| make_draw(gpu, library, shadowing));
+        } else {
+            self.draws.insert(shadowing, Hot::new(library, |library| make_draw(gpu, library, shadowing))?);
+        }
+        self.depth.refresh(library, |library| make_depth(gpu, library));
+        let uniform = HeadLook {
+            world_from_head: Mat4::from(input.world_from_head).to_cols_array_2d(),
+            albedo: input.look.skin_colour,
+            pad: 0.0,
+        };
+        gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&uniform));
+
+        let targets = input.targets;
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("head"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &targets.head_samples,
+                    depth_slice: None,
+                    resolve_target: Some(&targets.head_colour),
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                        store: wgpu::StoreOp::Discard,
+                    },
+                })],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &targets.head_depth_samples,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                    stencil_ops: None,
+                }),
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            if let (true, Some(mesh)) = (input.is_shown, &self.mesh) {
+                let draw = &self.draws[&shadowing];
+                let mut resources = vec![
+                    ("view", input.view.as_entire_binding()),
+                    ("head_look", self.look.as_entire_binding()),
+                    ("head_positions", mesh.positions.as_entire_binding()),
+                    ("head_normals", mesh.normals.as_entire_binding()),
+                    ("head_indices", mesh.indices.as_entire_binding()),
+                ];
+                resources.extend(input.scene.resources());
+                resources.extend(input.shadow.resources());
+                draw.draw(&mut pass, &draw.bind_used(gpu, &resources)?, mesh.n_indices);
+            }
+        }
+        encoder.clear_buffer(input.tile_backs, 0, None);
+        let bindings = self.depth.bind(
+            gpu,
+            &[
+                ("view", input.view.as_entire_binding()),
+                ("head_samples", wgpu::BindingResource::TextureView(&targets.head_depth_samples)),
+                ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
+                ("tile_backs", input.tile_backs.as_entire_binding()),
+            ],
+        )?;
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("head.depth"), timestamp_writes: None });
+        let [width, height] = targets.size;
+        self.depth.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
+        Ok(())
+    }
+}
+
+fn make_depth(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernel, ShaderError> {
+    library.kernel(gpu, "head_depth", "resolve_depth", &[], &[])
+}
+
+fn make_draw(gpu: &Gpu, library: &ShaderLibrary, shadowing: Shadowing) -> Result<Draw, ShaderError> {
+    library.draw(
+        gpu,
+        "head",
+        &DrawDescriptor {
+            vertex: "vertex",
+            fragment: Some("fragment"),
+            links: &[slot::shadowing(shadowing)],
+            targets: &[Some(COLOUR.into())],
+            depth: Some(wgpu::DepthStencilState {
+                format: DEPTH,
+                depth_write_enabled: Some(true),
+                depth_compare: Some(wgpu::CompareFunction::Less),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState { count: N_SAMPLES, ..wgpu::MultisampleState::default() },
+            ..DrawDescriptor::default()
+        },
+    )
+}

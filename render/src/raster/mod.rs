@@ -1,0 +1,361 @@
+//! The compute rasteriser: segments into tiles of 8 x 8 pixels, sorted by depth into buckets, composited near to far.
+//!
+//! ```text
+//! setup     a segment a thread   vertices -> line in pixels, depths, widths; nearest depth of each coarse tile
+//! count     a segment a thread   how many segments each (tile, bucket) gets
+//! allocate  a tile a thread      where in the list each bucket starts
+//! scatter   a segment a thread   segments into their buckets
+//! fine      a pixel a thread     coverage of each segment in turn, composited, until nothing shines through
+//! ```
+//!
+//! There are no barriers (the software driver's slowest instruction) and no sort: the list is made by counting.
+//! Buckets are finest at the front of the hair in the tile's neighbourhood, where a pixel still lets light through.
+//! Segments behind a tile that is all head are never listed. The list is never too short: see raster_alloc.wgsl.
+//!
+//! Rejected: one thread a segment with atomics on the pixel (a global atomic per fragment and channel, two passes over
+//! all fragments for their order); accumulators in workgroup memory (two barriers for every 64 segments); sorting
+//! fragments (tens of millions a frame).
+
+use std::collections::HashMap;
+
+use lorelei_core::look::Transparency;
+use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary};
+use wgpu::BufferUsages;
+
+use crate::frame::Targets;
+use crate::mirror::{DrawnLayer, StrandBuffers};
+use crate::slot;
+use crate::view::View;
+
+/// Side of a tile and of a coarse tile, pixels; twins of `TILE` and `COARSE`.
+const TILE: u32 = 8;
+const COARSE: u32 = 32;
+/// Twin of `N_BUCKETS`.
+const N_BUCKETS: u64 = 32;
+/// A list entry keeps its vertex in 26 bits.
+const MAX_VERTICES: u32 = 1 << 26;
+/// Parts that the list may be made in. One is enough but for a groom of few, very long segments.
+const N_ROUNDS: u64 = 4;
+/// Entries that a round has room for: this many a vertex (a segment of 25 pixels touches five tiles), and no fewer
+/// than this.
+const ENTRIES_PER_VERTEX: u64 = 6;
+const MIN_ENTRIES: u64 = 1 << 22;
+
+/// Twin of `RasterFrame`.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct FrameUniform {
+    view: View,
+    n_tiles: [u32; 2],
+    n_coarse: [u32; 2],
+    n_items: u32,
+    n_layers: u32,
+    round_size: u32,
+    n_rounds: u32,
+}
+
+struct Kernels {
+    setup: Kernel,
+    count: Kernel,
+    scatter: Kernel,
+    allocate: Kernel,
+    plan: Kernel,
+}
+
+/// Segments in pixels: what tiles are filled from.
+#[derive(Debug)]
+pub(crate) struct Segments {
+    pub frame: wgpu::Buffer,
+    pub layers: wgpu::Buffer,
+    pub lines: wgpu::Buffer,
+    pub spans: wgpu::Buffer,
+    fronts: wgpu::Buffer,
+    pub tile_backs: wgpu::Buffer,
+    /// Vertices of drawn strands.
+    pub n_items: u32,
+}
+
+/// The rasteriser with its buffers.
+pub(crate) struct Raster {
+    kernels: Hot<Kernels>,
+    fine: HashMap<Transparency, Hot<Kernel>>,
+    pub segments: Segments,
+    buckets: wgpu::Buffer,
+    tiles: wgpu::Buffer,
+    entries: wgpu::Buffer,
+    n_entries: wgpu::Buffer,
+    arguments: wgpu::Buffer,
+    rounds: Vec<wgpu::Buffer>,
+    n_tiles: [u32; 2],
+}
+
+const STORAGE: BufferUsages = BufferUsages::STORAGE;
+
+/// What cannot be drawn on this GPU.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{n_vertices} strand vertices need {needed} MiB at once and this GPU binds {available} MiB; draw fewer strands or fewer vertices each"
+)]
+pub struct TooManyVertices {
+    pub n_vertices: u32,
+    pub needed: u64,
+    pub available: u64,
+}
+
+impl Raster {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+        let storage = |label| gpu.buffer(label, 0, STORAGE);
+        Ok(Self {
+            kernels: Hot::new(library, |library| make_kernels(gpu, library))?,
+            fine: HashMap::new(),
+            segments: Segments {
+                frame: gpu.buffer("raster.frame", size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM),
+                layers: storage("raster.layers"),
+                lines: storage("raster.lines"),
+                spans: storage("raster.spans"),
+                fronts: storage("raster.fronts"),
+                tile_backs: storage("raster.tile_backs"),
+                n_items: 0,
+            },
+            buckets: storage("raster.buckets"),
+            tiles: storage("raster.tiles"),
+            entries: storage("raster.entries"),
+            n_entries: storage("raster.n_entries"),
+            arguments: gpu.buffer("raster.arguments", N_ROUNDS * 32, STORAGE | BufferUsages::INDIRECT),
+            rounds: (0..N_ROUNDS as u32)
+                .map(|round| gpu.buffer_of("raster.round", &[round], BufferUsages::UNIFORM))
+                .collect(),
+            n_tiles: [0; 2],
+        })
+    }
+
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.fine.values().find_map(Hot::error).or(self.kernels.error())
+    }
+
+    /// Bytes of all buffers.
+    pub fn n_bytes(&self) -> u64 {
+        let segments = &self.segments;
+        [
+            &segments.lines,
+            &segments.spans,
+            &segments.fronts,
+            &segments.tile_backs,
+            &self.buckets,
+            &self.tiles,
+            &self.entries,
+        ]
+        .iter()
+        .map(|buffer| buffer.size())
+        .sum()
+    }
+
+    /// Entries of the last frame's list, and how many fit: for tests and statistics.
+    pub fn n_entries(&self, gpu: &Gpu) -> Result<(u64, u64), GpuError> {
+        let listed = gpu.read_buffer::<u32>(&self.n_entries)?[0];
+        Ok((u64::from(listed), N_ROUNDS * self.round_size()))
+    }
+
+    fn round_size(&self) -> u64 {
+        (self.entries.size() / 4).saturating_sub(u64::from(self.segments.n_items))
+    }
+
+    /// Make every buffer fit the frame and send its numbers.
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        view: View,
+        strands: &StrandBuffers,
+    ) -> Result<(), crate::RenderError> {
+        self.kernels.refresh(library, |library| make_kernels(gpu, library));
+        let n_items: u32 = strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum();
+        let n_vertices = strands.n_vertices;
+        let available = gpu.max_storage_binding();
+        let least = u64::from(n_items) * 2;
+        let needed = (u64::from(n_vertices) * 16).max(least * 4);
+        if needed > available || n_vertices >= MAX_VERTICES {
+            let (needed, available) = (needed >> 20, available >> 20);
+            return Err(TooManyVertices { n_vertices, needed, available }.into());
+        }
+        let [width, height] = view.size;
+        let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
+        let n_coarse = [width.div_ceil(COARSE), height.div_ceil(COARSE)];
+        let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
+        let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
+            .max(MIN_ENTRIES)
+            .min(available / 4 - u64::from(n_items))
+            // The total of all rounds is counted in 32 bits.
+            .min(u64::from(u32::MAX) / (2 * N_ROUNDS));
+        let segments = &mut self.segments;
+        gpu.checked(|| {
+            fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
+            fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
+            fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
+            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 4);
+            fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
+            fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
+            fit(gpu, &mut self.tiles, n_all_tiles * 16);
+            fit(gpu, &mut self.entries, (round_size + u64::from(n_items)) * 4);
+        })?;
+        segments.n_items = n_items;
+        self.n_tiles = n_tiles;
+        let frame = FrameUniform {
+            view,
+            n_tiles,
+            n_coarse,
+            n_items,
+            n_layers: strands.layers.len() as u32,
+            round_size: self.round_size().min(u64::from(u32::MAX)) as u32,
+            n_rounds: N_ROUNDS as u32,
+        };
+        gpu.queue.write_buffer(&self.segments.frame, 0, bytemuck::bytes_of(&frame));
+        gpu.queue.write_buffer(&self.segments.layers, 0, bytemuck::cast_slice(&strands.layers));
+        Ok(())
+    }
+
+    /// Segments into pixels.
+    pub fn record_setup(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        strands: &StrandBuffers,
+    ) -> Result<(), ShaderError> {
+        let segments = &self.segments;
+        encoder.clear_buffer(&segments.fronts, 0, None);
+        let setup = self.kernels.setup.bind(
+            gpu,
+            &[
+                ("raster", segments.frame.as_entire_binding()),
+                ("raster_layers", segments.layers.as_entire_binding()),
+                ("vertices", strands.vertices.as_entire_binding()),
+                ("lines", segments.lines.as_entire_binding()),
+                ("spans", segments.spans.as_entire_binding()),
+                ("fronts", segments.fronts.as_entire_binding()),
+            ],
+        )?;
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.setup"), timestamp_writes: None });
+        self.kernels.setup.dispatch_items(&mut pass, &setup, segments.n_items);
+        Ok(())
+    }
+
+    /// Count segments and lay out the list.
+    pub fn record_count(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), ShaderError> {
+        encoder.clear_buffer(&self.buckets, 0, None);
+        encoder.clear_buffer(&self.n_entries, 0, None);
+        let resources = self.resources();
+        let count = self.kernels.count.bind_used(gpu, &resources)?;
+        let allocate = self.kernels.allocate.bind_used(gpu, &resources)?;
+        let plan = self.kernels.plan.bind_used(gpu, &resources)?;
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.count"), timestamp_writes: None });
+        self.kernels.count.dispatch_items(&mut pass, &count, self.segments.n_items);
+        self.kernels.allocate.dispatch_items(&mut pass, &allocate, self.n_tiles[0] * self.n_tiles[1]);
+        self.kernels.plan.dispatch(&mut pass, &plan, [1, 1, 1]);
+        Ok(())
+    }
+
+    /// Fill the list for a round.
+    fn record_scatter(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, round: usize) -> Result<(), ShaderError> {
+        let mut resources = self.resources();
+        resources.push(("round", self.rounds[round].as_entire_binding()));
+        let scatter = self.kernels.scatter.bind_used(gpu, &resources)?;
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.scatter"), timestamp_writes: None });
+        self.kernels.scatter.dispatch_indirect(&mut pass, &scatter, &self.arguments, 32 * round as u64);
+        Ok(())
+    }
+
+    /// Draw a round's tiles into `targets.hair`.
+    fn record_fine(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        fine: &Kernel,
+        radiance: &wgpu::Buffer,
+        targets: &Targets,
+        round: usize,
+    ) -> Result<(), ShaderError> {
+        let mut resources = self.resources();
+        resources.extend([
+            ("round", self.rounds[round].as_entire_binding()),
+            ("radiance", radiance.as_entire_binding()),
+            ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
+            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
+            ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
+        ]);
+        let bindings = fine.bind_used(gpu, &resources)?;
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.fine"), timestamp_writes: None });
+        fine.dispatch_indirect(&mut pass, &bindings, &self.arguments, 32 * round as u64 + 16);
+        Ok(())
+    }
+
+    /// Fill the list and draw from it, as often as its length asks for. `time` wraps what is timed.
+    pub fn record_tiles(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        encoder: &mut wgpu::CommandEncoder,
+        transparency: Transparency,
+        radiance: &wgpu::Buffer,
+        targets: &Targets,
+        profile: &mut crate::profile::Profile,
+    ) -> Result<(), ShaderError> {
+        let make = |library: &ShaderLibrary| {
+            library.kernel(gpu, "raster_fine", "fine", &[], &[slot::transparency(transparency)])
+        };
+        if let Some(kernel) = self.fine.get_mut(&transparency) {
+            kernel.refresh(library, make);
+        } else {
+            self.fine.insert(transparency, Hot::new(library, make)?);
+        }
+        let fine = &self.fine[&transparency];
+        profile.pass("raster.scatter", encoder, |encoder| self.record_scatter(gpu, encoder, 0))?;
+        profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, radiance, targets, 0))?;
+        profile.pass("raster.more_rounds", encoder, |encoder| {
+            for round in 1..N_ROUNDS as usize {
+                self.record_scatter(gpu, encoder, round)?;
+                self.record_fine(gpu, encoder, fine, radiance, targets, round)?;
+            }
+            Ok(())
+        })
+    }
+
+    fn resources(&self) -> Vec<(&'static str, wgpu::BindingResource<'_>)> {
+        let segments = &self.segments;
+        vec![
+            ("raster", segments.frame.as_entire_binding()),
+            ("raster_layers", segments.layers.as_entire_binding()),
+            ("lines", segments.lines.as_entire_binding()),
+            ("spans", segments.spans.as_entire_binding()),
+            ("fronts", segments.fronts.as_entire_binding()),
+            ("tile_backs", segments.tile_backs.as_entire_binding()),
+            ("buckets", self.buckets.as_entire_binding()),
+            ("tiles", self.tiles.as_entire_binding()),
+            ("entries", self.entries.as_entire_binding()),
+            ("n_entries", self.n_entries.as_entire_binding()),
+            ("arguments", self.arguments.as_entire_binding()),
+        ]
+    }
+}
+
+/// Grow a buffer, or shrink it where most of it would lie idle.
+pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
+    let size = size.max(16);
+    if buffer.size() < size || buffer.size() > 4 * size.max(1 << 20) {
+        *buffer = gpu.buffer("raster", size, STORAGE);
+    }
+}
+
+fn make_kernels(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernels, ShaderError> {
+    let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
+    Ok(Kernels {
+        setup: kernel("raster_setup", "setup", &[])?,
+        count: kernel("raster_bin", "bin", &[])?,
+        scatter: kernel("raster_bin", "bin", &[Link::Def("SCATTER")])?,
+        allocate: kernel("raster_alloc", "allocate", &[])?,
+        plan: kernel("raster_alloc", "plan", &[])?,
+    })
+}

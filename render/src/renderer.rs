@@ -1,0 +1,346 @@
+//! The renderer: a groom in, a picture out. The frame is recorded top-down in [`Renderer::render`].
+
+use std::sync::Arc;
+
+use lorelei_core::groom::{Groom, HairMaterial};
+use lorelei_core::look::{HeadShading, Primitive, Transparency};
+use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
+use wgpu::BufferUsages;
+
+use crate::frame::{FrameInput, Targets};
+use crate::generate::{StrandGenerator, StrandPose};
+use crate::head::{HeadInput, HeadPass};
+use crate::mirror::{Mirror, MirrorError};
+use crate::profile::Profile;
+use crate::raster::{Raster, TooManyVertices};
+use crate::resolve::ResolvePass;
+use crate::ribbons::{RibbonInput, Ribbons};
+use crate::scene::{Ball, SceneBuffers, SceneLights};
+use crate::shade::Shade;
+use crate::shadow::{Shadow, ShadowInput};
+use crate::view::View;
+
+/// Why a frame cannot be rendered. The document is never touched by it.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum RenderError {
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    #[error(transparent)]
+    Strands(#[from] MirrorError),
+    #[error(transparent)]
+    TooManyVertices(#[from] TooManyVertices),
+    #[error("a picture of {width} x {height} pixels cannot be made on this GPU; each side must be from 1 to {most}")]
+    Size { width: u32, height: u32, most: u32 },
+    #[error("there is no groom to render yet")]
+    NoGroom,
+}
+
+/// A picture as bytes, row by row from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pixels {
+    pub size: [u32; 2],
+    /// RGBA, encoded for an sRGB display; alpha is straight.
+    pub rgba: Vec<u8>,
+}
+
+/// What a frame was made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct FrameStatistics {
+    pub n_strands: u32,
+    pub n_vertices: u32,
+    /// GPU memory of buffers and textures that this renderer holds, bytes.
+    pub n_bytes: u64,
+}
+
+/// Renders one groom on one GPU.
+pub struct Renderer {
+    gpu: Gpu,
+    library: ShaderLibrary,
+    groom: Option<Groom>,
+    ball: Ball,
+    generator: StrandGenerator,
+    scene: SceneBuffers,
+    shadow: Shadow,
+    shade: Shade,
+    head: HeadPass,
+    raster: Raster,
+    ribbons: Ribbons,
+    resolve: ResolvePass,
+    profile: Profile,
+    view: wgpu::Buffer,
+    targets: Targets,
+}
+
+impl Renderer {
+    pub fn new(gpu: &Gpu, library: ShaderLibrary) -> Result<Self, RenderError> {
+        Ok(Self {
+            groom: None,
+            ball: Ball { centre: glam::Vec3::ZERO, radius: 1.0 },
+            generator: StrandGenerator::new(gpu, &library)?,
+            scene: SceneBuffers::new(gpu),
+            shadow: Shadow::new(gpu, &library)?,
+            shade: Shade::new(gpu),
+            head: HeadPass::new(gpu, &library)?,
+            raster: Raster::new(gpu, &library)?,
+            ribbons: Ribbons::new(gpu, &library)?,
+            resolve: ResolvePass::new(gpu),
+            profile: Profile::new(gpu)?,
+            view: gpu.buffer("frame.view", size_of::<View>() as u64, BufferUsages::UNIFORM),
+            targets: Targets::new(gpu, [8, 8])?,
+            gpu: gpu.clone(),
+            library,
+        })
+    }
+
+    /// Take over what changed in the groom; what is the same is not sent again. Returns warnings for the user.
+    pub fn set_groom(&mut self, groom: &Groom) -> Result<Vec<String>, RenderError> {
+        let head_of = |groom: &Groom| groom.head.as_ref().map(|head| Arc::as_ptr(&head.mesh));
+        let is_new_head = self.groom.as_ref().is_none_or(|old| head_of(old) != head_of(groom));
+        let is_new_shape = self.groom.as_ref().is_none_or(|old| old.layers != groom.layers);
+        let warnings = self.generator.set_groom(&self.gpu, groom)?;
+        if is_new_head {
+            let mesh = groom.head.as_ref().map(|head| &*head.mesh);
+            self.gpu.checked(|| {
+                self.head.set_mesh(&self.gpu, mesh);
+                self.shadow.set_head(&self.gpu, mesh);
+            })?;
+        }
+        if is_new_head || is_new_shape {
+            self.ball = Ball::of_groom(groom);
+        }
+        self.groom = Some(groom.clone());
+        self.gpu.take_error()?;
+        Ok(warnings)
+    }
+
+    /// Record a frame. Submit the encoder before the next call.
+    pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, input: &FrameInput<'_>) -> Result<(), RenderError> {
+        self.gpu.take_error()?;
+        self.profile.collect(&self.gpu);
+        let groom = self.groom.take().ok_or(RenderError::NoGroom)?;
+        let result = self.record(encoder, input, &groom);
+        self.groom = Some(groom);
+        self.profile.resolve(encoder);
+        result
+    }
+
+    /// The frame, top-down.
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &FrameInput<'_>,
+        groom: &Groom,
+    ) -> Result<(), RenderError> {
+        let Self { gpu, library, profile, .. } = self;
+        let (gpu, library) = (&*gpu, &*library);
+        let look = &groom.look;
+        let is_head_shown = match look.head {
+            HeadShading::Skin => true,
+            HeadShading::Hidden => false,
+        };
+
+        // Everything is made to fit before anything is recorded.
+        let most = gpu.device.limits().max_texture_dimension_2d;
+        if input.size.iter().any(|&side| side == 0 || side > most) {
+            return Err(RenderError::Size { width: input.size[0], height: input.size[1], most });
+        }
+        if self.targets.size != input.size {
+            self.targets = Targets::new(gpu, input.size)?;
+        }
+        let view = View::new(input.camera, input.size);
+        gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
+        let lod = (look.lod * input.lod_scale).clamp(0.0, 1.0);
+        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod };
+        let prepared = self.generator.prepare(gpu, library, &pose)?;
+        let strands = self.generator.strands();
+        let lights = SceneLights::new(&groom.lights);
+        let scene_is_new = self.scene.update(gpu, &lights, look, input.camera.eye());
+        let shadow_input = ShadowInput {
+            shadowing: look.shadowing,
+            params: &look.deep_opacity,
+            lights: &lights,
+            ball: self.ball,
+            world_from_head: input.world_from_head,
+            head_casts: is_head_shown && groom.head.is_some(),
+        };
+        self.shadow.prepare(gpu, library, strands, &shadow_input)?;
+        let fallback = HairMaterial::default();
+        let material_of = |layer: u32| {
+            groom.layers.get(layer as usize).map_or(&fallback, |layer: &lorelei_core::groom::Layer| &layer.material)
+        };
+        self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
+        self.raster.prepare(gpu, library, view, strands)?;
+
+        // Strands, and the light that reaches them.
+        profile.pass("generate", encoder, |encoder| {
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("generate"), timestamp_writes: None });
+            self.generator.record(&mut pass, &prepared);
+        });
+        profile.pass("shadow", encoder, |encoder| self.shadow.record(encoder, strands, &shadow_input));
+        profile.pass("shade", encoder, |encoder| self.shade.record(encoder, strands));
+
+        // The head, and the depth that hair is hidden by.
+        profile.pass("head", encoder, |encoder| {
+            let input = HeadInput {
+                look,
+                world_from_head: input.world_from_head,
+                is_shown: is_head_shown,
+                view: &self.view,
+                tile_backs: &self.raster.segments.tile_backs,
+                targets: &self.targets,
+                scene: &self.scene,
+                shadow: &self.shadow,
+            };
+            self.head.record(gpu, library, encoder, &input)
+        })?;
+
+        // Strands into pixels.
+        let radiance = self.shade.radiance();
+        match look.primitive {
+            Primitive::Compute => {
+                profile.pass("raster.setup", encoder, |encoder| self.raster.record_setup(gpu, encoder, strands))?;
+                profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder))?;
+                let raster = &mut self.raster;
+                raster.record_tiles(gpu, library, encoder, look.transparency, radiance, &self.targets, profile)?;
+            }
+            Primitive::Ribbons => profile.pass("ribbons", encoder, |encoder| {
+                let input = RibbonInput {
+                    strands,
+                    radiance,
+                    view: &self.view,
+                    head_depth: &self.targets.head_depth,
+                    head_colour: &self.targets.head_colour,
+                    opaque: look.transparency == Transparency::Opaque,
+                };
+                self.ribbons.record(gpu, library, encoder, &input, &self.targets.hair)
+            })?,
+        }
+
+        // The picture.
+        profile.pass("resolve", encoder, |encoder| {
+            self.resolve.record(gpu, library, encoder, look, &self.view, &self.targets)
+        })?;
+        Ok(())
+    }
+
+    /// `Rgba8Unorm` with values encoded for an sRGB display, premultiplied after encoding; another texture whenever the
+    /// size changes.
+    pub fn output(&self) -> &wgpu::Texture {
+        &self.targets.output
+    }
+
+    /// Render, submit, wait and read back: for pictures without a window.
+    pub fn render_pixels(&mut self, input: &FrameInput<'_>) -> Result<Pixels, RenderError> {
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.render(&mut encoder, input)?;
+        self.gpu.queue.submit([encoder.finish()]);
+        self.profile.collect(&self.gpu);
+        let pixels = self.read_pixels()?;
+        self.profile.collect(&self.gpu);
+        Ok(pixels)
+    }
+
+    /// The picture of the last submitted frame.
+    pub fn read_pixels(&self) -> Result<Pixels, RenderError> {
+        let bytes = self.read_texture(&self.targets.output, 4)?;
+        let mut rgba = bytes;
+        for pixel in rgba.chunks_exact_mut(4) {
+            let alpha = f32::from(pixel[3]);
+            if pixel[3] != 0 && pixel[3] != 255 {
+                for channel in &mut pixel[..3] {
+                    *channel = (f32::from(*channel) * 255.0 / alpha).round().min(255.0) as u8;
+                }
+            }
+        }
+        Ok(Pixels { size: self.targets.size, rgba })
+    }
+
+    fn read_texture(&self, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, GpuError> {
+        let (width, height) = (texture.width(), texture.height());
+        let row = width * bytes_per_pixel;
+        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let staging = self.gpu.checked(|| {
+            let staging = self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("frame.read"),
+                size: u64::from(padded) * u64::from(height),
+                usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            encoder.copy_texture_to_buffer(
+                texture.as_image_copy(),
+                wgpu::TexelCopyBufferInfo {
+                    buffer: &staging,
+                    layout: wgpu::TexelCopyBufferLayout {
+                        offset: 0,
+                        bytes_per_row: Some(padded),
+                        rows_per_image: None,
+                    },
+                },
+                texture.size(),
+            );
+            self.gpu.queue.submit([encoder.finish()]);
+            staging
+        })?;
+        self.gpu.read_mapped(&staging, |bytes| {
+            bytes.chunks_exact(padded as usize).flat_map(|line| &line[..row as usize]).copied().collect()
+        })
+    }
+
+    /// GPU milliseconds of each pass, of the latest frame whose times have come back. Empty where the GPU has no
+    /// timestamps.
+    pub fn pass_times(&self) -> Vec<(String, f64)> {
+        self.profile.times().to_vec()
+    }
+
+    /// What the last recorded frame was made of.
+    pub fn statistics(&self) -> FrameStatistics {
+        let strands = self.generator.strands();
+        let [width, height] = self.targets.size.map(u64::from);
+        // Four samples of colour (8 bytes) and depth (4), and one of each resolved texture (8 + 4 + 8 + 4).
+        let targets = width * height * (4 * 12 + 24);
+        FrameStatistics {
+            n_strands: strands.layers.iter().map(|layer| layer.n_strands).sum(),
+            n_vertices: strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum(),
+            n_bytes: targets
+                + self.generator.mirror().n_bytes()
+                + self.shade.radiance().size()
+                + self.shadow.n_bytes()
+                + self.raster.n_bytes()
+                + self.ribbons.n_bytes(),
+        }
+    }
+
+    /// The groom on the GPU: guides, distance field, strands.
+    pub fn mirror(&self) -> &Mirror {
+        self.generator.mirror()
+    }
+
+    /// Entries of the last frame's tile lists and how many there is room for: the first is never larger.
+    pub fn n_tile_entries(&self) -> Result<(u64, u64), GpuError> {
+        self.raster.n_entries(&self.gpu)
+    }
+
+    /// The shader sources; poll them once a frame while developing.
+    pub fn library(&self) -> &ShaderLibrary {
+        &self.library
+    }
+
+    /// Why the last edit of a shader file is not in use.
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.generator
+            .shader_error()
+            .or(self.shadow.shader_error())
+            .or(self.shade.shader_error())
+            .or(self.head.shader_error())
+            .or(self.raster.shader_error())
+            .or(self.resolve.shader_error())
+    }
+}
+
+#[cfg(test)]
+#[path = "renderer_tests.rs"]
+mod tests;

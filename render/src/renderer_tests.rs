@@ -1,0 +1,155 @@
+//! The whole frame against the exact picture, and what must not go wrong around it.
+
+use glam::{Affine3A, Vec3, Vec4};
+use lorelei_core::camera::Camera;
+use lorelei_core::groom::Groom;
+use lorelei_core::look::{Background, HeadShading, Primitive, Shadowing, Transparency};
+use lorelei_shaders::{Gpu, ShaderLibrary};
+
+use super::{FrameInput, Pixels, RenderError, Renderer};
+use crate::exact::{Backdrop, ExactStrands, composite};
+use crate::sample::sample_groom;
+
+const SIZE: [u32; 2] = [256, 256];
+
+fn camera() -> Camera {
+    Camera { target: Vec3::new(0.0, -6.0, 0.0), distance: 110.0, ..Camera::default() }
+}
+
+fn input(camera: &Camera) -> FrameInput<'_> {
+    FrameInput { camera, size: SIZE, world_from_head: Affine3A::IDENTITY, guides: &[], lod_scale: 1.0 }
+}
+
+fn renderer(groom: &Groom) -> Renderer {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(&gpu, ShaderLibrary::embedded()).unwrap();
+    assert_eq!(renderer.set_groom(groom).unwrap(), Vec::<String>::new());
+    renderer
+}
+
+fn halves(bytes: &[u8]) -> Vec<[f64; 4]> {
+    let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f64();
+    bytes.chunks_exact(8).map(|p| [half(p), half(&p[2..]), half(&p[4..]), half(&p[6..])]).collect()
+}
+
+/// The hair of the last frame, premultiplied.
+fn hair(renderer: &Renderer) -> Vec<[f64; 4]> {
+    halves(&renderer.read_texture(renderer.targets.hair.texture(), 8).unwrap())
+}
+
+/// The same hair by the exact reference, from the vertices and radiances that the GPU drew.
+fn exact_hair(renderer: &Renderer, camera: &Camera) -> Vec<[f64; 4]> {
+    let strands = renderer.generator.strands();
+    assert_eq!(strands.layers.len(), 1);
+    let layer = strands.layers[0];
+    let n = (layer.n_strands * layer.vertices_per_strand) as usize;
+    let vertices: Vec<Vec4> = renderer.gpu.read_buffer(&strands.vertices).unwrap();
+    let packed: Vec<[u16; 4]> = renderer.gpu.read_buffer(renderer.shade.radiance()).unwrap();
+    let radiance: Vec<[f32; 4]> =
+        packed[..n].iter().map(|vertex| vertex.map(|bits| half::f16::from_bits(bits).to_f32())).collect();
+    let depth: Vec<f32> =
+        bytemuck::pod_collect_to_vec(&renderer.read_texture(renderer.targets.head_depth.texture(), 4).unwrap());
+    let head = halves(&renderer.read_texture(renderer.targets.head_colour.texture(), 8).unwrap());
+    let coverage: Vec<f32> = head.iter().map(|pixel| pixel[3] as f32).collect();
+    composite(
+        ExactStrands {
+            vertices: &vertices[..n],
+            vertices_per_strand: layer.vertices_per_strand as usize,
+            radiance: &radiance,
+        },
+        camera.view_from_world(),
+        camera.clip_from_view(SIZE[0] as f32 / SIZE[1] as f32),
+        SIZE,
+        Backdrop { depth: &depth, coverage: &coverage },
+    )
+}
+
+/// Root mean square difference over all channels, and sums of alpha.
+fn difference(got: &[[f64; 4]], exact: &[[f64; 4]]) -> (f64, f64) {
+    let squares: f64 = got.iter().zip(exact).flat_map(|(got, exact)| (0..4).map(|c| (got[c] - exact[c]).powi(2))).sum();
+    let covered = |picture: &[[f64; 4]]| picture.iter().map(|pixel| pixel[3]).sum::<f64>();
+    ((squares / (4 * exact.len()) as f64).sqrt(), covered(got) / covered(exact))
+}
+
+#[test]
+fn both_primitives_draw_the_exact_picture() {
+    let camera = camera();
+    // Radii from thinner than a pixel (0.05 of one) to wider than one.
+    for (n_strands, radius_um) in [(4_000, 40.0), (4_000, 300.0), (300, 1_500.0)] {
+        let mut groom = sample_groom(n_strands, 16);
+        groom.layers[0].radius_um = radius_um;
+        let mut renderer = renderer(&groom);
+        for (primitive, most_rmse) in [(Primitive::Compute, 0.02), (Primitive::Ribbons, 0.03)] {
+            groom.look.primitive = primitive;
+            renderer.set_groom(&groom).unwrap();
+            renderer.render_pixels(&input(&camera)).unwrap();
+            let (rmse, coverage) = difference(&hair(&renderer), &exact_hair(&renderer, &camera));
+            println!("{n_strands} strands of {radius_um} um, {primitive:?}: rmse {rmse:.5}, coverage {coverage:.4}");
+            assert!(rmse < most_rmse, "{primitive:?}, {radius_um} um: {rmse}");
+            assert!((coverage - 1.0).abs() < 0.03, "{primitive:?}, {radius_um} um: {coverage}");
+        }
+        let (listed, room) = renderer.n_tile_entries().unwrap();
+        assert!(listed > 0 && listed <= room);
+    }
+}
+
+fn alpha_of(pixels: &Pixels) -> Vec<u8> {
+    pixels.rgba.chunks_exact(4).map(|pixel| pixel[3]).collect()
+}
+
+#[test]
+fn every_choice_of_drawing_changes_the_picture() {
+    let base = sample_groom(3_000, 16);
+    let mut renderer = renderer(&base);
+    let camera = camera();
+    let mut picture = |change: fn(&mut Groom)| {
+        let mut groom = base.clone();
+        groom.layers[0].radius_um = 100.0;
+        change(&mut groom);
+        renderer.set_groom(&groom).unwrap();
+        renderer.render_pixels(&input(&camera)).unwrap()
+    };
+    let default = picture(|_| {});
+    assert_eq!(default, picture(|_| {}), "a frame is the same twice");
+    let others = [
+        picture(|groom| groom.look.transparency = Transparency::Opaque),
+        picture(|groom| groom.look.head = HeadShading::Hidden),
+        picture(|groom| groom.look.shadowing = Shadowing::Off),
+        picture(|groom| groom.look.exposure = 1.0),
+        picture(|groom| groom.look.tonemapping = lorelei_core::look::Tonemapping::Linear),
+        picture(|groom| groom.look.background = Background::Plain),
+        picture(|groom| groom.look.background = Background::Transparent),
+    ];
+    for (a, first) in others.iter().enumerate() {
+        assert_ne!(*first, default, "choice {a}");
+        assert!(others[a + 1..].iter().all(|second| first != second), "choice {a}");
+    }
+    assert!(alpha_of(&default).iter().all(|&alpha| alpha == 255));
+    let cut_out = alpha_of(&others[6]);
+    assert!(cut_out.contains(&0) && cut_out.contains(&255) && cut_out.iter().any(|a| (1..255).contains(a)));
+}
+
+#[test]
+fn what_cannot_be_rendered_is_an_error() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(&gpu, ShaderLibrary::embedded()).unwrap();
+    let camera = camera();
+    assert_eq!(renderer.render_pixels(&input(&camera)).unwrap_err(), RenderError::NoGroom);
+    renderer.set_groom(&Groom::default()).unwrap();
+    for size in [[0, 100], [1 << 20, 100]] {
+        let error = renderer.render_pixels(&FrameInput { size, ..input(&camera) }).unwrap_err();
+        assert!(matches!(error, RenderError::Size { .. }), "{error}");
+    }
+    // No head, no hair: the background alone, in a size that no tile divides.
+    let pixels = renderer.render_pixels(&FrameInput { size: [101, 67], ..input(&camera) }).unwrap();
+    assert_eq!(pixels.rgba.len(), 101 * 67 * 4);
+}
+
+#[test]
+fn a_device_that_is_destroyed_is_an_error_and_not_a_panic() {
+    let mut renderer = renderer(&sample_groom(100, 8));
+    let camera = camera();
+    renderer.render_pixels(&input(&camera)).unwrap();
+    renderer.gpu.device.destroy();
+    renderer.render_pixels(&input(&camera)).unwrap_err();
+}

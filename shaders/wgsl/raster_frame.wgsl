@@ -1,0 +1,59 @@
+// What every pass of the rasteriser knows about the frame, and which vertex a thread works on. Twin of
+// render/src/raster/mod.rs.
+#define_import_path lorelei::raster_frame
+#import lorelei::camera::{View}
+
+struct RasterFrame {
+    view: View,
+    // Tiles of 8 x 8 pixels, and of 32 x 32 pixels, that cover the picture.
+    n_tiles: vec2<u32>,
+    n_coarse: vec2<u32>,
+    // Vertices of all drawn strands.
+    n_items: u32,
+    n_layers: u32,
+    // List entries that a round may start in: see raster_alloc.wgsl.
+    round_size: u32,
+    n_rounds: u32,
+}
+
+struct RasterLayer {
+    first_vertex: u32,
+    first_strand: u32,
+    n_strands: u32,
+    vertices_per_strand: u32,
+    material: u32,
+}
+
+// A tile's part of the list, and the round that it is made and drawn in.
+struct Tile {
+    start: u32,
+    n_entries: u32,
+    round: u32,
+    pad: u32,
+}
+
+@group(0) @binding(auto) var<uniform> raster: RasterFrame;
+@group(0) @binding(auto) var<storage, read> raster_layers: array<RasterLayer>;
+
+const NO_VERTEX: u32 = 0xFFFFFFFFu;
+// Side of a tile in pixels: 64 threads draw one.
+const TILE: f32 = 8.0;
+const COARSE: f32 = 32.0;
+// Depth buckets of a tile. A list entry is a vertex in the low 26 bits and its bucket in the high 6.
+const N_BUCKETS: u32 = 32u;
+const ENTRY_BITS: u32 = 26u;
+
+// The first vertex of the segment of a thread, NO_VERTEX where a strand has ended.
+fn segment_of(item: u32) -> u32 {
+    var left = item;
+    for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
+        let layer = raster_layers[layer_idx];
+        let n = layer.n_strands * layer.vertices_per_strand;
+        if left < n {
+            let is_tip = left % layer.vertices_per_strand == layer.vertices_per_strand - 1u;
+            return select(layer.first_vertex + left, NO_VERTEX, is_tip);
+        }
+        left -= n;
+    }
+    return NO_VERTEX;
+}

@@ -1,0 +1,36 @@
+// Hair over head over background, exposed and tonemapped.
+#import lorelei::camera::{View}
+#import lorelei::tonemap::{display}
+#import lorelei::background::{background}
+
+struct ResolveLook {
+    // 2 to the power of the stops.
+    exposure: f32,
+    grey: f32,
+    pad0: f32,
+    pad1: f32,
+}
+
+@group(0) @binding(auto) var<uniform> view: View;
+@group(0) @binding(auto) var<uniform> resolve_look: ResolveLook;
+@group(0) @binding(auto) var hair: texture_2d<f32>;
+@group(0) @binding(auto) var head_colour: texture_2d<f32>;
+// Encoded for an sRGB display, premultiplied after encoding, as window systems blend.
+@group(0) @binding(auto) var picture: texture_storage_2d<rgba8unorm, write>;
+
+@compute @workgroup_size(8, 8)
+fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
+    if any(id.xy >= view.size) {
+        return;
+    }
+    let front = textureLoad(hair, id.xy, 0);
+    let over = front + (1.0 - front.w) * textureLoad(head_colour, id.xy, 0);
+    let place = (vec2<f32>(id.xy) + 0.5) / vec2<f32>(view.size);
+    let behind = background(place, resolve_look.grey);
+    let scene = display(resolve_look.exposure * over.xyz / max(over.w, 1e-4));
+    let alpha = saturate(over.w);
+    // Interleaved gradient noise (Jimenez 2014) below one step of eight bits: no bands in the gradient.
+    let noise = fract(52.9829189 * fract(dot(vec2<f32>(id.xy), vec2<f32>(0.06711056, 0.00583715)))) - 0.5;
+    let mixed = vec4<f32>(scene * alpha, alpha) + (1.0 - alpha) * behind;
+    textureStore(picture, id.xy, vec4<f32>(mixed.xyz + noise * mixed.w / 255.0, mixed.w));
+}
