@@ -49,8 +49,11 @@ pub struct LayerBinding {
 
 /// Root layers farther from the head than this were not meant to lie on it, in centimetres.
 const FARTHEST_ROOT: f32 = 2.0;
-/// Most places of a sequence that are looked at for painted density, for each strand wanted.
-const MOST_PLACES_A_STRAND: usize = 16;
+/// Most places of a sequence that are looked at for painted density, for each strand wanted: a map that
+/// is nearly empty gives fewer strands than asked for.
+const MOST_PLACES_A_STRAND: usize = 100;
+/// Most of them in all, where there are more than strands.
+const MOST_PLACES: usize = 3_000_000;
 /// Guides whose paths differ by more than this (cosine) are on two sides of a parting.
 const PARTED: f32 = 0.3;
 
@@ -231,7 +234,7 @@ fn scatter(
         place.as_ref().map_or(0.0, |place| density.map_or(1.0, |map| map.sample(place.uv)))
     };
     // How many places are alive tells how many are needed.
-    let probe = surface.sequence(n.min(1024), seed);
+    let probe = surface.sequence(4096.min(MOST_PLACES_A_STRAND * n), seed);
     let probe: Vec<f32> = probe.par_iter().map(|root| alive(&place(root))).collect();
     let mean = probe.iter().sum::<f32>() / probe.len().max(1) as f32;
     let most = probe.iter().copied().fold(0.0, f32::max);
@@ -239,8 +242,9 @@ fn scatter(
         return Vec::new();
     }
     let mut n_places = if mean >= 1.0 { n } else { (1.05 * n as f32 * most / mean) as usize + 64 };
+    let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
     loop {
-        n_places = n_places.min(MOST_PLACES_A_STRAND * n);
+        n_places = n_places.min(most_places);
         let roots = surface.sequence(n_places, seed);
         let places: Vec<Option<Place>> = roots.par_iter().map(&place).collect();
         let densities: Vec<f32> = places.iter().map(alive).collect();
@@ -248,7 +252,7 @@ fn scatter(
         // A later place may come before the last one chosen as long as its id is below that one's key.
         let largest_key = ids.last().map_or(0.0, |&id| (id as f32 + 0.5) / densities[id as usize]);
         let most = densities.iter().copied().fold(0.0, f32::max);
-        if (ids.len() == n && largest_key * most <= n_places as f32) || n_places >= MOST_PLACES_A_STRAND * n {
+        if (ids.len() == n && largest_key * most <= n_places as f32) || n_places >= most_places {
             return ids.iter().filter_map(|&id| Some((id, roots[id as usize], places[id as usize]?))).collect();
         }
         n_places = n_places * 3 / 2 + 64;

@@ -432,7 +432,7 @@ mod tests {
     use super::*;
     use crate::binding::bind_layer;
     use crate::curve::catmull_rom;
-    use crate::groom::{Head, Source};
+    use crate::groom::{Head, ScalpMap, Source};
     use crate::hair_mesh::tests::straight_grid;
     use crate::hair_mesh::{HairMesh, Weld};
     use crate::mean_value::mean_value_weights;
@@ -663,6 +663,27 @@ mod tests {
         for (a, b) in kept.points.iter().zip(&turned.points) {
             assert!(world_from_head.transform_point3(*a).distance(*b) < 1e-3);
         }
+    }
+
+    #[test]
+    fn a_painted_map_places_every_strand_where_it_is_painted() {
+        let mut ball = sphere(Vec3::ZERO, 8.0, 64);
+        ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
+        let head = Head { name: "ball".into(), mesh: Arc::new(ball) };
+        let mut mesh = straight_grid(4, 0);
+        mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
+        mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+        // A strip one twentieth of the ball wide.
+        let texels = (0..40 * 40).map(|i| if i % 40 == 22 || i % 40 == 23 { 255 } else { 0 }).collect();
+        let map = ScalpMap { width: 40, height: 40, texels };
+        let layer = Layer { density: Some(Arc::new(map)), ..layer(mesh, 3000) };
+        let binding = bind_layer(&layer, Some(&head));
+        assert_eq!(binding.n_strands(), 3000);
+        for uv in &binding.root_uvs {
+            assert!((21.5 / 40.0..24.5 / 40.0).contains(&uv[0]), "{uv:?}");
+        }
+        let empty = ScalpMap { width: 1, height: 1, texels: vec![0] };
+        assert_eq!(bind_layer(&Layer { density: Some(Arc::new(empty)), ..layer }, Some(&head)).n_strands(), 0);
     }
 
     #[test]
