@@ -63,6 +63,8 @@ struct Params {
 @group(0) @binding(auto) var<storage, read_write> present: array<vec4<f32>>;
 // xyz world one step ago, w scratch of solve_lengths.
 @group(0) @binding(auto) var<storage, read_write> before_that: array<vec4<f32>>;
+// Where the last step began: what before_that is, were it not moved by contacts and lengths.
+@group(0) @binding(auto) var<storage, read_write> begun: array<vec4<f32>>;
 // What the picture shows.
 @group(0) @binding(auto) var<storage, read_write> positions: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read> field_values: array<f32>;
@@ -420,14 +422,20 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
         for (var k = 0u; k < params.n_vertices; k++) {
             set_x(k, pose_apply(params.carry, x_at(k)));
             set_prev(k, pose_apply(params.carry, prev_at(k)));
+            begun[base + k] = vec4<f32>(pose_apply(params.carry, begun[base + k].xyz), 0.0);
         }
     }
     for (var i = 0u; i < params.n_steps; i++) {
+        if i + 1u == params.n_steps {
+            for (var k = 0u; k < params.n_vertices; k++) {
+                begun[base + k] = present[base + k];
+            }
+        }
         step_strand(params.poses[i], params.poses[i + 1u]);
     }
     for (var k = 0u; k < params.n_vertices; k++) {
         let x = x_at(k);
-        var ahead = x + params.ahead * (x - prev_at(k));
+        var ahead = x + params.ahead * (x - begun[base + k].xyz);
         if k < N_PINNED {
             ahead = pose_apply(params.shown, rest_at(k));
         }

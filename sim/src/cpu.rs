@@ -16,6 +16,8 @@ struct Layer {
     rest: Rest,
     x: Vec<Vec4>,
     prev: Vec<Vec4>,
+    /// Where the last step began: what `prev` is, were it not moved by contacts and lengths.
+    begun: Vec<Vec4>,
     shown: Vec<Vec4>,
 }
 
@@ -37,7 +39,14 @@ impl CpuSolver {
             .iter()
             .map(|&guides| {
                 let rest = Rest::new(guides, obstacles);
-                Layer { guides: guides.clone(), rest, x: Vec::new(), prev: Vec::new(), shown: Vec::new() }
+                Layer {
+                    guides: guides.clone(),
+                    rest,
+                    x: Vec::new(),
+                    prev: Vec::new(),
+                    begun: Vec::new(),
+                    shown: Vec::new(),
+                }
             })
             .collect();
         let mut solver = Self {
@@ -88,6 +97,7 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.x = layer.rest.vertices.iter().map(|v| self.pose.apply(v.xyz()).extend(0.0)).collect();
             layer.prev = layer.x.clone();
+            layer.begun = layer.x.clone();
             layer.shown = layer.x.clone();
         }
     }
@@ -102,6 +112,7 @@ impl CpuSolver {
         let layer = &mut self.layers[layer_idx];
         layer.x = x.iter().map(|p| p.extend(0.0)).collect();
         layer.prev = prev.iter().map(|p| p.extend(0.0)).collect();
+        layer.begun = layer.prev.clone();
         layer.shown = layer.x.clone();
     }
 
@@ -110,7 +121,7 @@ impl CpuSolver {
         let obstacles = Obstacles { field: self.field.as_ref(), spheres: &self.settings.spheres };
         let pose = self.clock.pose_at_step();
         let of_layer =
-            |layer: &Layer| measure(&layer.rest, obstacles, pose, &layer.x, &layer.prev, self.params.step_secs);
+            |layer: &Layer| measure(&layer.rest, obstacles, pose, &layer.x, &layer.begun, self.params.step_secs);
         self.layers.iter().map(of_layer).fold(Measure::default(), |sum, layer| sum.and(&layer))
     }
 
@@ -124,29 +135,39 @@ impl CpuSolver {
             }
             let rest = layer.rest.vertices.par_chunks_exact(n);
             let state = layer.x.par_chunks_exact_mut(n).zip(layer.prev.par_chunks_exact_mut(n));
-            rest.zip(state).zip(layer.shown.par_chunks_exact_mut(n)).for_each(|((rest, (x, prev)), shown)| {
+            let seen = layer.begun.par_chunks_exact_mut(n).zip(layer.shown.par_chunks_exact_mut(n));
+            rest.zip(state).zip(seen).for_each(|((rest, (x, prev)), (begun, shown))| {
                 let mut strand = Strand { rest, x, prev };
-                run_strand(&mut strand, &params, obstacles, frame, shown);
+                run_strand(&mut strand, &params, obstacles, frame, begun, shown);
             });
         }
     }
 }
 
 /// All of a frame's steps for one strand. Twin of the entry point of `sim_strand.wgsl`.
-fn run_strand(s: &mut Strand<'_>, params: &StepParams, obstacles: Obstacles<'_>, frame: &Frame, shown: &mut [Vec4]) {
+fn run_strand(
+    s: &mut Strand<'_>,
+    params: &StepParams,
+    obstacles: Obstacles<'_>,
+    frame: &Frame,
+    begun: &mut [Vec4],
+    shown: &mut [Vec4],
+) {
     if let Some(carry) = frame.carry {
         for k in 0..s.x.len() {
             s.x[k] = carry.apply(s.x[k].xyz()).extend(0.0);
             s.prev[k] = carry.apply(s.prev[k].xyz()).extend(0.0);
+            begun[k] = carry.apply(begun[k].xyz()).extend(0.0);
         }
     }
     for poses in frame.poses.windows(2) {
+        begun.copy_from_slice(s.x);
         step_strand(s, params, obstacles, poses[0], poses[1]);
     }
     // The picture is up to a step ahead of the last step: go on at the present velocity, roots with the head.
     for k in 0..s.x.len() {
         let x = s.x[k].xyz();
-        let ahead = x + frame.ahead * (x - s.prev[k].xyz());
+        let ahead = x + frame.ahead * (x - begun[k].xyz());
         shown[k] = if k < crate::strand::N_PINNED { frame.shown.apply(s.rest[k].xyz()) } else { ahead }.extend(0.0);
     }
 }

@@ -57,6 +57,7 @@ struct Layer {
     rest_buffer: wgpu::Buffer,
     present: wgpu::Buffer,
     before_that: wgpu::Buffer,
+    begun: wgpu::Buffer,
     positions: wgpu::Buffer,
 }
 
@@ -95,6 +96,7 @@ impl GpuSolver {
                     rest_buffer: gpu.buffer_of("sim.rest", &rest.vertices, storage),
                     present: gpu.buffer("sim.present", n_bytes, storage),
                     before_that: gpu.buffer("sim.before_that", n_bytes, storage),
+                    begun: gpu.buffer("sim.begun", n_bytes, storage),
                     positions: gpu.buffer("sim.positions", n_bytes, storage),
                     guides: guides.clone(),
                     rest,
@@ -181,7 +183,7 @@ impl GpuSolver {
         let mut sum = Measure::default();
         for layer in &self.layers {
             let x: Vec<Vec4> = self.gpu.read_buffer(&layer.present)?;
-            let prev: Vec<Vec4> = self.gpu.read_buffer(&layer.before_that)?;
+            let prev: Vec<Vec4> = self.gpu.read_buffer(&layer.begun)?;
             let pose = self.clock.pose_at_step();
             sum = sum.and(&measure(&layer.rest, obstacles, pose, &x, &prev, self.params.step_secs));
         }
@@ -189,7 +191,8 @@ impl GpuSolver {
     }
 
     fn write_state(&self, layer: &Layer, x: &[Vec4], prev: &[Vec4]) {
-        for (buffer, contents) in [(&layer.present, x), (&layer.before_that, prev), (&layer.positions, x)] {
+        let buffers = [(&layer.present, x), (&layer.before_that, prev), (&layer.begun, prev), (&layer.positions, x)];
+        for (buffer, contents) in buffers {
             if !contents.is_empty() {
                 self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
             }
@@ -241,6 +244,7 @@ impl GpuSolver {
                 ("rest", layer.rest_buffer.as_entire_binding()),
                 ("present", layer.present.as_entire_binding()),
                 ("before_that", layer.before_that.as_entire_binding()),
+                ("begun", layer.begun.as_entire_binding()),
                 ("positions", layer.positions.as_entire_binding()),
                 ("field_values", self.field_values.as_entire_binding()),
                 ("spheres", self.spheres.as_entire_binding()),

@@ -282,3 +282,37 @@ fn spheres_push_and_leave() {
     .unwrap();
     assert!(pushed.penetration_max_cm < 0.1 && pushed.length_error_max < 0.01, "{pushed:?}");
 }
+
+#[test]
+fn a_bowed_head_lets_hair_fall_to_where_down_is() {
+    let field = ball_field();
+    let guides = draped(16, 32, 30.0, 0.0);
+    let bowed = HeadPose { pitch: 0.6, ..HeadPose::default() }.world_from_head(PIVOT);
+    let mut solver = CpuSolver::new(&[&guides], Some(&field), &SimulationSettings::default());
+    let bow = |t: f32| HeadPose { pitch: 0.6 * t.min(1.0), ..HeadPose::default() }.world_from_head(PIVOT);
+    run(&mut solver, 4.0, 60.0, bow);
+    // Tips against where a rigid wig would have them: as far below as gravity can pull them.
+    let tips = (0..guides.n_guides()).map(|g| (g + 1) * 32 - 1);
+    let fallen =
+        tips.map(|tip| bowed.transform_point3(guides.positions[tip]).y - solver.positions(0)[tip].y).sum::<f32>()
+            / guides.n_guides() as f32;
+    println!("tips fell {fallen} cm");
+    assert!(fallen > 0.5, "{fallen} cm");
+}
+
+#[test]
+fn the_picture_is_still_in_a_steady_breeze_at_any_frame_rate() {
+    let field = ball_field();
+    let guides = draped(16, 24, 16.0, 0.1);
+    let settings = SimulationSettings { wind_speed: 300.0, ..SimulationSettings::default() };
+    let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
+    run(&mut solver, 6.0, 60.0, |_| Affine3A::IDENTITY);
+    let mut before = solver.positions(0).to_vec();
+    for frame in 0..30 {
+        solver.advance(1.0 / 144.0);
+        let moved = solver.positions(0).iter().zip(&before).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        // A hair's own width is 0.008 cm.
+        assert!(moved < 0.008, "frame {frame}: {moved} cm");
+        before = solver.positions(0).to_vec();
+    }
+}
