@@ -133,7 +133,8 @@ impl Gpu {
         self.take_error()
     }
 
-    /// A buffer with the bytes of `contents` in it; empty contents make the smallest buffer that can be bound.
+    /// A buffer with the bytes of `contents` in it; empty contents make a buffer of one
+    /// element, since a binding holds at least that.
     pub fn buffer_of<T: bytemuck::NoUninit>(
         &self,
         label: &str,
@@ -141,7 +142,7 @@ impl Gpu {
         usage: wgpu::BufferUsages,
     ) -> wgpu::Buffer {
         let bytes: &[u8] = bytemuck::cast_slice(contents);
-        let size = (bytes.len() as u64).next_multiple_of(16).max(16);
+        let size = (bytes.len() as u64).max(size_of::<T>() as u64).next_multiple_of(16).max(16);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size,
