@@ -16,7 +16,12 @@ pub(crate) struct Profile {
 
 impl Profile {
     pub fn new(gpu: &Gpu) -> Result<Self, GpuError> {
-        let settings = GpuProfilerSettings { max_num_pending_frames: 4, ..GpuProfilerSettings::default() };
+        // Mesa 22.3's software driver crashes in vkCmdBeginDebugUtilsLabelEXT.
+        let settings = GpuProfilerSettings {
+            max_num_pending_frames: 4,
+            enable_debug_groups: false,
+            ..GpuProfilerSettings::default()
+        };
         let profiler = GpuProfiler::new(&gpu.device, settings).map_err(|error| GpuError::Refused(error.to_string()))?;
         Ok(Self { profiler, is_open: false, times: Vec::new() })
     }
