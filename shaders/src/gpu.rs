@@ -18,10 +18,15 @@ impl Gpu {
     /// The best GPU without a window. `WGPU_ADAPTER_NAME` (part of a name, any case) and `WGPU_BACKEND` choose
     /// another one.
     pub fn headless() -> Result<Self, GpuError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        // OpenGL, which another crate may have built in, lacks what the shaders need: saying that there is no GPU
+        // is kinder than its errors.
+        descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+        let backends = descriptor.backends;
+        let instance = wgpu::Instance::new(descriptor);
         let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
             Ok(name) => {
-                let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+                let adapters = pollster::block_on(instance.enumerate_adapters(backends));
                 let names: Vec<String> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
                 let wanted = name.to_lowercase();
                 let found = adapters.into_iter().find(|a| a.get_info().name.to_lowercase().contains(&wanted));
