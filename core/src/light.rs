@@ -80,6 +80,23 @@ impl Light {
     }
 }
 
+impl Light {
+    /// Let the light come from a direction, seen from `at`; its distance stays.
+    pub fn aim_from(&mut self, at: Vec3, direction: Vec3) {
+        match &mut self.kind {
+            LightKind::Directional { azimuth_deg, elevation_deg } => {
+                *azimuth_deg = direction.x.atan2(direction.z).to_degrees();
+                *elevation_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+            }
+            LightKind::Point { position } => *position = at + position.distance(at) * direction,
+            LightKind::Rect { position, target, .. } => {
+                *position = at + position.distance(at) * direction;
+                *target = at;
+            }
+        }
+    }
+}
+
 /// Key 30-45 degrees to the side and above, a weaker cool fill, a rim from behind.
 pub fn three_point_rig() -> Vec<Light> {
     vec![
