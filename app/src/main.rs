@@ -1,1 +1,9 @@
-fn main() {}
+//! Lorelei, a hair studio: the window and the command line.
+
+mod cli;
+mod stage;
+mod window;
+
+fn main() -> std::process::ExitCode {
+    cli::run()
+}

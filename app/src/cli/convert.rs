@@ -1,0 +1,96 @@
+//! `lorelei convert IN OUT`.
+
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+use lorelei_core::io::{self, Axis, ConvertOptions, Unit, Watch, What, WriteOptions};
+
+use super::{CliError, print_line};
+
+#[derive(Debug, clap::Args)]
+pub struct ConvertArguments {
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// What to write; the name decides the format: .hair, .tfx, .data, .usda, .lorelei.
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// The axis that points up in OUT. Without it: what OUT's format is used to (z for .hair, else y).
+    #[arg(long, value_enum)]
+    up: Option<Up>,
+    /// The unit of OUT's numbers. Without it: cm.
+    #[arg(long, value_enum)]
+    unit: Option<OutputUnit>,
+    /// The curves that strands are made from, or every strand as it is drawn.
+    #[arg(long, value_enum, default_value = "strands")]
+    what: Curves,
+    /// As one JSON object: strands, points, warnings, out.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Up {
+    Y,
+    Z,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum OutputUnit {
+    Cm,
+    M,
+    Mm,
+    In,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Curves {
+    Guides,
+    Strands,
+}
+
+pub fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
+    let options = ConvertOptions {
+        output: WriteOptions {
+            unit: arguments.unit.map(|unit| match unit {
+                OutputUnit::Cm => Unit::Centimetre,
+                OutputUnit::M => Unit::Metre,
+                OutputUnit::Mm => Unit::Millimetre,
+                OutputUnit::In => Unit::Inch,
+            }),
+            up: arguments.up.map(|up| match up {
+                Up::Y => Axis::Y,
+                Up::Z => Axis::Z,
+            }),
+        },
+        what: match arguments.what {
+            Curves::Guides => What::Guides,
+            Curves::Strands => What::Strands,
+        },
+        ..ConvertOptions::default()
+    };
+    let converted =
+        io::convert(&arguments.input, &arguments.output, options, Watch::default()).map_err(CliError::failed)?;
+    if arguments.json {
+        let json = serde_json::json!({
+            "strands": converted.n_strands,
+            "points": converted.n_points,
+            "space": converted.space_reason,
+            "warnings": converted.warnings,
+            "out": arguments.output,
+        });
+        return print_line(&json.to_string());
+    }
+    for warning in &converted.warnings {
+        eprintln!("warning: {warning}");
+    }
+    if !converted.space_reason.is_empty() {
+        eprintln!("read as: {}", converted.space_reason);
+    }
+    print_line(&format!(
+        "{}: {} strands, {} points",
+        arguments.output.display(),
+        converted.n_strands,
+        converted.n_points
+    ))
+}

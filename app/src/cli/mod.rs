@@ -1,0 +1,146 @@
+//! The command line: its words, its exit codes, and where each command is done.
+//!
+//! Exit codes: 0 done, 1 the work failed, 2 wrong usage. Results go to stdout, everything else to stderr.
+
+mod convert;
+mod info;
+mod looks;
+mod render;
+mod set;
+mod setup;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::window;
+
+/// A hair studio: open hair and a head, light them, let them move, render and export.
+///
+/// Without a command the studio's window opens, with FILE where one is given and the default groom
+/// otherwise. Everything else works without a display.
+#[derive(Debug, Parser)]
+#[command(name = "lorelei", version, args_conflicts_with_subcommands = true, after_help = AFTER_HELP)]
+struct Arguments {
+    /// A groom (.lorelei) or hair of another program: .hair, .tfx, .data, .bin, .ply.
+    file: Option<PathBuf>,
+    /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
+    #[arg(long, value_name = "MESH")]
+    head: Option<PathBuf>,
+    /// Append the window's state to a file as lines of JSON: for tests.
+    #[arg(long, value_name = "FILE", hide = true)]
+    report_state: Option<PathBuf>,
+    /// Keep settings and recovery files here.
+    #[arg(long, value_name = "FOLDER", hide = true)]
+    data_folder: Option<PathBuf>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+const AFTER_HELP: &str = "\
+Examples:
+  lorelei                                              open the studio with the default groom
+  lorelei bob.lorelei                                  open a groom
+  lorelei render --camera side --out side.png          render the default groom
+  lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head
+  lorelei looks                                        what --set takes
+  lorelei convert hair.data hair.usda --up z --unit m  for another program
+
+Exit codes: 0 done, 1 the work failed, 2 wrong usage.";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a picture, without a window.
+    Render(render::RenderArguments),
+    /// List everything that `--set` takes, with ranges and units.
+    Looks(looks::LooksArguments),
+    /// Say what is in a file: strands, points, bounds, unit and axis.
+    Info(info::InfoArguments),
+    /// Write hair in another program's format.
+    Convert(convert::ConvertArguments),
+}
+
+/// Why a command did not do its work.
+#[derive(Debug)]
+pub enum CliError {
+    /// Exit code 1.
+    Failed(String),
+    /// Exit code 2.
+    Usage(String),
+}
+
+impl CliError {
+    /// The work failed for a reason that says itself what, where and what next.
+    pub fn failed(why: impl std::fmt::Display) -> Self {
+        Self::Failed(why.to_string())
+    }
+}
+
+/// Parse the arguments and do what they say.
+pub fn run() -> ExitCode {
+    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_core=error,wgpu_hal=off"))
+        .format_timestamp(None)
+        .init();
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Looks(arguments)) => looks::run(&arguments),
+        Some(Command::Info(arguments)) => info::run(&arguments),
+        Some(Command::Convert(arguments)) => convert::run(&arguments),
+        None => window::open(window::StartOptions {
+            file: arguments.file,
+            head: arguments.head,
+            report_state: arguments.report_state,
+            data_folder: arguments.data_folder,
+        })
+        .map_err(CliError::failed),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(CliError::Failed(why)) => {
+            eprintln!("error: {why}");
+            ExitCode::from(1)
+        }
+        Err(CliError::Usage(why)) => {
+            eprintln!("error: {why}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Write a line of results to stdout. A reader that went away (`| head`) is no failure.
+fn print_line(line: &str) -> Result<(), CliError> {
+    use std::io::Write;
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(why) if why.kind() != std::io::ErrorKind::BrokenPipe => Err(CliError::failed(why)),
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_arguments_are_consistent_and_every_option_has_a_help_text() {
+        Arguments::command().debug_assert();
+        for command in Arguments::command().get_subcommands() {
+            for argument in command.get_arguments() {
+                assert!(argument.get_help().is_some(), "{} {}", command.get_name(), argument.get_id());
+            }
+        }
+    }
+
+    #[test]
+    fn files_and_commands_are_told_apart() {
+        let parse = |line: &str| Arguments::try_parse_from(line.split(' '));
+        assert!(parse("lorelei bob.lorelei").unwrap().file.is_some());
+        assert!(matches!(parse("lorelei looks --json").unwrap().command, Some(Command::Looks(_))));
+        assert!(matches!(parse("lorelei render a.tfx --head b.obj").unwrap().command, Some(Command::Render(_))));
+        assert_eq!(parse("lorelei render --size 10").unwrap_err().exit_code(), 2);
+        assert_eq!(parse("lorelei render --nonsense").unwrap_err().exit_code(), 2);
+    }
+}

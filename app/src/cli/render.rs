@@ -1,0 +1,312 @@
+//! `lorelei render`: one picture without a window, and what it cost.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use lorelei_core::camera::Camera;
+use lorelei_core::groom::{Groom, Head, Source};
+use lorelei_core::io::{self, Contents, ImportOptions, Watch};
+use lorelei_core::look::Choice;
+use lorelei_core::motion::Motion;
+use lorelei_shaders::Gpu;
+use serde_json::json;
+
+use super::{CliError, print_line, set, setup};
+use crate::stage::{Playback, Stage, bounds_of};
+
+#[derive(Debug, clap::Args)]
+pub struct RenderArguments {
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply. Without it: the default groom.
+    file: Option<PathBuf>,
+    /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
+    #[arg(long, value_name = "MESH")]
+    head: Option<PathBuf>,
+    /// Size of the picture in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    size: [u32; 2],
+    /// front, side, back, three-quarter, top, or AZ,EL,DIST: degrees around (0 front, 90 the model's left) and up,
+    /// and centimetres from the middle. Without DIST (AZ,EL) all of it fills the picture.
+    #[arg(long, default_value = "three-quarter", value_parser = parse_view, allow_hyphen_values = true)]
+    camera: View,
+    /// Camera and lights from a file; --camera then only counts where the file has none.
+    #[arg(long, value_name = "FILE.ron")]
+    setup: Option<PathBuf>,
+    /// Strands in all, shared out over the layers as they are now.
+    #[arg(long, value_name = "N")]
+    strands: Option<u32>,
+    /// A choice or a number of the look, the fibre (hair.*) or movement (sim.*): `lorelei looks` lists them.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
+    assignments: Vec<(String, String)>,
+    /// Let the head move before the picture: none, turn, nod, shake.
+    #[arg(long, value_name = "NAME", value_parser = parse_motion, requires = "seconds")]
+    motion: Option<Motion>,
+    /// How long it moves before the picture is taken.
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    seconds: Option<f32>,
+    /// The picture: .png.
+    #[arg(long, value_name = "PATH", default_value = "lorelei.png")]
+    out: PathBuf,
+    /// Draw this many frames after one that is not counted; times are their medians.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    repeat: u32,
+    /// Print one JSON object: adapter, strands, vertices, frame_ms, gpu_ms (by pass), bytes, out.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Where the camera looks from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct View {
+    azimuth_deg: f32,
+    elevation_deg: f32,
+    /// `None`: so that all fills the picture.
+    distance: Option<f32>,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(w, h)| (w.parse::<u32>(), h.parse::<u32>()));
+    match sides {
+        Some((Ok(width @ 1..=16384), Ok(height @ 1..=16384))) => Ok([width, height]),
+        _ => Err("write it as WIDTHxHEIGHT, such as 1920x1080; each side from 1 to 16384".to_owned()),
+    }
+}
+
+fn parse_view(text: &str) -> Result<View, String> {
+    let named = match text {
+        "front" => Some((0.0, 5.0)),
+        "side" => Some((90.0, 5.0)),
+        "back" => Some((180.0, 5.0)),
+        "three-quarter" => Some((35.0, 5.0)),
+        "top" => Some((0.0, 89.0)),
+        _ => None,
+    };
+    if let Some((azimuth_deg, elevation_deg)) = named {
+        return Ok(View { azimuth_deg, elevation_deg, distance: None });
+    }
+    let numbers: Option<Vec<f32>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|v: &f32| v.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[azimuth_deg, elevation_deg]) if elevation_deg.abs() <= 90.0 => {
+            Ok(View { azimuth_deg, elevation_deg, distance: None })
+        }
+        Some(&[azimuth_deg, elevation_deg, distance]) if elevation_deg.abs() <= 90.0 && distance > 0.0 => {
+            Ok(View { azimuth_deg, elevation_deg, distance: Some(distance) })
+        }
+        _ => Err("use front, side, back, three-quarter, top, or AZ,EL,DIST such as 35,5,85".to_owned()),
+    }
+}
+
+fn parse_motion(text: &str) -> Result<Motion, String> {
+    let found = Motion::ALL.iter().find(|motion| motion.info().name == text);
+    let names: Vec<&str> = Motion::ALL.iter().map(|motion| motion.info().name).collect();
+    found.copied().ok_or_else(|| format!("use one of {}", names.join(", ")))
+}
+
+fn parse_seconds(text: &str) -> Result<f32, String> {
+    let seconds = text.parse::<f32>().ok().filter(|seconds| (0.0..=600.0).contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds from 0 to 600".to_owned())
+}
+
+pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
+    let extension = arguments.out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    if extension.as_deref() != Some("png") {
+        return Err(CliError::Usage(format!("--out {}: let the name end in .png", arguments.out.display())));
+    }
+    let (mut groom, warnings) = open(arguments.file.as_deref(), arguments.head.as_deref())?;
+    set::apply(&mut groom, &arguments.assignments)?;
+    if let Some(n_strands) = arguments.strands {
+        set_strand_count(&mut groom, n_strands);
+    }
+    let setup = arguments.setup.as_deref().map(setup::read).transpose()?.unwrap_or_default();
+    if let Some(lights) = setup.lights {
+        groom.lights = lights;
+    }
+    let camera = setup.camera.unwrap_or_else(|| camera_of(&groom, arguments.camera, arguments.size));
+
+    let start = Instant::now();
+    let gpu = Gpu::headless().map_err(CliError::failed)?;
+    let adapter = gpu.adapter_info.clone();
+    let mut stage = Stage::new(gpu).map_err(CliError::failed)?;
+    let compile_ms = ms_since(start);
+    let start = Instant::now();
+    let mut warnings = warnings;
+    warnings.extend(stage.set_groom(&groom).map_err(CliError::failed)?);
+    let prepare_ms = ms_since(start);
+    if !arguments.json {
+        for warning in &warnings {
+            eprintln!("warning: {warning}");
+        }
+    }
+
+    let playback =
+        Playback { is_playing: true, motion: arguments.motion.unwrap_or(Motion::None), ..Playback::default() };
+    let still = Playback { is_playing: arguments.seconds.is_some(), ..playback };
+    if let Some(seconds) = arguments.seconds {
+        // Movement does not depend on the frame rate; small pictures pass the time quickly.
+        const FRAME_SECS: f32 = 1.0 / 60.0;
+        let n_frames = (seconds / FRAME_SECS).round() as u32;
+        for _ in 0..n_frames {
+            stage.frame(&playback, FRAME_SECS, &camera, [16, 16], 0.0).map_err(CliError::failed)?;
+        }
+    }
+    let mut frame = || -> Result<f32, CliError> {
+        let start = Instant::now();
+        stage.frame(&still, 0.0, &camera, arguments.size, 1.0).map_err(CliError::failed)?;
+        Ok(ms_since(start))
+    };
+    let first_frame_ms = frame()?;
+    let mut frame_times = Vec::new();
+    let mut pass_times: Vec<Vec<(String, f32)>> = Vec::new();
+    for _ in 0..arguments.repeat {
+        let start = Instant::now();
+        stage.frame(&still, 0.0, &camera, arguments.size, 1.0).map_err(CliError::failed)?;
+        frame_times.push(ms_since(start));
+        pass_times.push(stage.pass_times());
+    }
+    let picture = stage.read_pixels().map_err(CliError::failed)?;
+    if let Some(folder) = arguments.out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))?;
+    }
+    picture.save(&arguments.out).map_err(|why| CliError::Failed(format!("{}: {why}", arguments.out.display())))?;
+    let statistics = stage.statistics();
+    let frame_ms = median(frame_times);
+    let gpu_ms = pass_medians(&pass_times);
+    if arguments.json {
+        let passes: serde_json::Map<String, serde_json::Value> =
+            gpu_ms.iter().map(|(pass, ms)| (pass.clone(), json!(ms))).collect();
+        let json = json!({
+            "adapter": adapter.name,
+            "driver": format!("{} {}", adapter.driver, adapter.driver_info).trim(),
+            "size": arguments.size,
+            "strands": statistics.n_strands,
+            "vertices": statistics.n_vertices,
+            "compile_ms": compile_ms,
+            "prepare_ms": prepare_ms,
+            "first_frame_ms": first_frame_ms,
+            "frame_ms": frame_ms,
+            "repeat": arguments.repeat,
+            "gpu_ms": passes,
+            "bytes": statistics.n_bytes,
+            "warnings": warnings,
+            "out": arguments.out,
+        });
+        return print_line(&json.to_string());
+    }
+    print_line(&format!(
+        "{}: {} strands, {} vertices, {frame_ms:.1} ms a frame on {}",
+        arguments.out.display(),
+        statistics.n_strands,
+        statistics.n_vertices,
+        adapter.name
+    ))
+}
+
+/// The groom to render, and what is to be said about it.
+fn open(file: Option<&Path>, head: Option<&Path>) -> Result<(Groom, Vec<String>), CliError> {
+    let Some(file) = file else {
+        let mut groom = crate::stage::default_groom();
+        let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
+        return Ok((groom, warnings.unwrap_or_default()));
+    };
+    match io::detect(file).map_err(CliError::failed)?.contents() {
+        Contents::Document => {
+            let mut groom = lorelei_core::document::open(file).map_err(CliError::failed)?;
+            let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
+            Ok((groom, warnings.unwrap_or_default()))
+        }
+        Contents::Strands => {
+            let import = io::import_groom(file, head, ImportOptions::default(), Watch::default());
+            let import = import.map_err(CliError::failed)?;
+            Ok((import.groom, import.warnings))
+        }
+        Contents::Mesh => Err(CliError::Usage(format!(
+            "{} is a mesh, not hair: give it with --head, beside a groom or hair",
+            file.display()
+        ))),
+    }
+}
+
+fn put_on(groom: &mut Groom, path: &Path) -> Result<Vec<String>, CliError> {
+    let import = io::read_mesh(path, Watch::default()).map_err(CliError::failed)?;
+    let warnings = import.warnings.clone();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    groom.head = Some(Head { name, mesh: import.place().into() });
+    Ok(warnings)
+}
+
+/// Share `n_strands` out over the visible layers in proportion to what they have. Imported strands are as
+/// many as they are: of them fewer are drawn by the level of detail.
+fn set_strand_count(groom: &mut Groom, n_strands: u32) {
+    let n_now = groom.n_strands().max(1) as f64;
+    let share = f64::from(n_strands) / n_now;
+    let are_fixed = groom.layers.iter().all(|layer| matches!(layer.source, Source::Strands(_)));
+    if are_fixed {
+        groom.look.lod = (share as f32).clamp(0.0, 1.0);
+        return;
+    }
+    for layer in groom.layers.iter_mut().filter(|layer| !matches!(layer.source, Source::Strands(_))) {
+        layer.n_strands = ((f64::from(layer.n_strands) * share).round() as u32).max(1);
+    }
+}
+
+fn camera_of(groom: &Groom, view: View, size: [u32; 2]) -> Camera {
+    let mut camera = Camera { azimuth_deg: view.azimuth_deg, elevation_deg: view.elevation_deg, ..Camera::default() };
+    camera.frame(bounds_of(groom), size[0] as f32 / size[1] as f32);
+    if let Some(distance) = view.distance {
+        camera.distance = distance;
+    }
+    camera
+}
+
+fn ms_since(start: Instant) -> f32 {
+    start.elapsed().as_secs_f32() * 1000.0
+}
+
+/// The middle value; the mean of the two middle ones where their number is even.
+fn median(mut values: Vec<f32>) -> f32 {
+    values.sort_by(f32::total_cmp);
+    let n = values.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => values[n / 2],
+        _ => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+/// Median by pass, in the order of the frame.
+fn pass_medians(frames: &[Vec<(String, f32)>]) -> Vec<(String, f32)> {
+    let last = frames.last().map(Vec::as_slice).unwrap_or_default();
+    last.iter()
+        .map(|(pass, _)| {
+            let of_pass =
+                frames.iter().filter_map(|frame| frame.iter().find(|(name, _)| name == pass).map(|(_, ms)| *ms));
+            (pass.clone(), median(of_pass.collect()))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_views_are_read_and_nonsense_is_refused() {
+        assert_eq!(parse_size("1920x1080"), Ok([1920, 1080]));
+        for bad in ["1920", "0x5", "-1x5", "1x99999", "axb"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+        assert_eq!(parse_view("-35,5,85"), Ok(View { azimuth_deg: -35.0, elevation_deg: 5.0, distance: Some(85.0) }));
+        assert_eq!(parse_view("back").map(|view| view.azimuth_deg), Ok(180.0));
+        for bad in ["left", "1,2,3,4", "0,100,50", "0,0,-1", "0,0,NaN"] {
+            assert!(parse_view(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn medians_are_the_middle() {
+        assert_eq!(median(vec![3.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(vec![4.0, 1.0, 2.0, 3.0]), 2.5);
+        let frames = vec![vec![("a".to_owned(), 1.0)], vec![("a".to_owned(), 3.0)], vec![("a".to_owned(), 2.0)]];
+        assert_eq!(pass_medians(&frames), vec![("a".to_owned(), 2.0)]);
+    }
+}

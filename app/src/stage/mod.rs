@@ -1,0 +1,315 @@
+//! What draws and moves one groom on one device, for the window and for the command line alike.
+//!
+//! A frame from top to bottom: time, the head's pose, solver steps, strands, picture. The solver exists
+//! from the first movement to the next reset; without it, guides rest on the head and follow it rigidly.
+
+pub mod thread;
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use lorelei_core::binding::LayerBinding;
+use lorelei_core::camera::Camera;
+use lorelei_core::groom::{Groom, Head, Source};
+use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
+use lorelei_core::simulation::SimulationSettings;
+use lorelei_render::{FrameInput, RenderError, Renderer};
+use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
+use lorelei_sim::GpuSolver;
+
+use thread::FrameReport;
+
+/// Movement: not in the document, never undone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Playback {
+    pub is_playing: bool,
+    pub motion: Motion,
+    /// Where the head was dragged to, on top of the preset.
+    pub head_pose: HeadPose,
+    /// Solver steps asked for one by one, since the start.
+    pub n_steps: u64,
+    /// Resets asked for, since the start.
+    pub n_resets: u64,
+}
+
+/// Why a frame is missing or incomplete.
+#[derive(Debug, thiserror::Error)]
+pub enum StageError {
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl StageError {
+    /// Nothing more can be drawn on this device.
+    pub fn is_lost(&self) -> bool {
+        let gpu = match self {
+            Self::Gpu(gpu) | Self::Render(RenderError::Gpu(gpu)) => gpu,
+            Self::Render(_) | Self::Shader(_) => return false,
+        };
+        matches!(gpu, GpuError::DeviceLost(_))
+    }
+}
+
+/// The solver with what it was made for.
+struct Moving {
+    solver: GpuSolver,
+    bindings: Vec<Arc<LayerBinding>>,
+}
+
+/// One groom on one device.
+pub struct Stage {
+    gpu: Gpu,
+    library: ShaderLibrary,
+    renderer: Renderer,
+    moving: Option<Moving>,
+    n_layers: usize,
+    settings: SimulationSettings,
+    neck: Vec3,
+    time_secs: f32,
+    world_from_head: Affine3A,
+    n_steps: u64,
+    n_resets: u64,
+    /// A copy of the last picture that stays while the next is drawn.
+    shown: Option<wgpu::Texture>,
+    is_lost: bool,
+}
+
+impl Stage {
+    pub fn new(gpu: Gpu) -> Result<Self, StageError> {
+        let library = ShaderLibrary::embedded();
+        Ok(Self {
+            renderer: Renderer::new(&gpu, library.clone())?,
+            gpu,
+            library,
+            moving: None,
+            n_layers: 0,
+            settings: SimulationSettings::default(),
+            neck: Vec3::ZERO,
+            time_secs: 0.0,
+            world_from_head: Affine3A::IDENTITY,
+            n_steps: 0,
+            n_resets: 0,
+            shown: None,
+            is_lost: false,
+        })
+    }
+
+    /// Take over what changed in the groom. Returns warnings for the user.
+    pub fn set_groom(&mut self, groom: &Groom) -> Result<Vec<String>, StageError> {
+        let warnings = self.renderer.set_groom(groom)?;
+        self.n_layers = groom.layers.len();
+        self.neck = neck_of(groom);
+        if self.settings != groom.simulation {
+            self.settings = groom.simulation.clone();
+            if let Some(moving) = &mut self.moving {
+                moving.solver.set_settings(&self.settings);
+            }
+        }
+        let bindings = self.bindings();
+        let is_same = |old: &Moving| {
+            // Another style on the same guides moves on.
+            old.bindings.len() == bindings.len()
+                && old.bindings.iter().zip(&bindings).all(|(a, b)| Arc::ptr_eq(a, b) || a.guides == b.guides)
+        };
+        self.moving = self.moving.take().filter(is_same);
+        Ok(warnings)
+    }
+
+    fn bindings(&self) -> Vec<Arc<LayerBinding>> {
+        (0..self.n_layers).filter_map(|layer_idx| self.renderer.mirror().binding(layer_idx).cloned()).collect()
+    }
+
+    /// Draw a frame and wait until it is on the GPU's output.
+    pub fn frame(
+        &mut self,
+        playback: &Playback,
+        dt_secs: f32,
+        camera: &Camera,
+        size: [u32; 2],
+        lod: f32,
+    ) -> Result<(), StageError> {
+        let result = self.record(playback, dt_secs, camera, size, lod);
+        self.is_lost |= result.as_ref().is_err_and(StageError::is_lost);
+        result
+    }
+
+    fn record(
+        &mut self,
+        playback: &Playback,
+        dt_secs: f32,
+        camera: &Camera,
+        size: [u32; 2],
+        lod: f32,
+    ) -> Result<(), StageError> {
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
+        if self.n_resets != playback.n_resets {
+            self.n_resets = playback.n_resets;
+            self.moving = None;
+            self.time_secs = 0.0;
+        }
+        let n_steps = playback.n_steps.saturating_sub(self.n_steps);
+        self.n_steps = playback.n_steps;
+        if playback.is_playing {
+            self.pass_time(playback, dt_secs, &mut encoder)?;
+        } else if n_steps > 0 {
+            for _ in 0..n_steps.min(16) {
+                self.pass_step(playback, &mut encoder)?;
+            }
+        } else {
+            let pose = self.pose(playback);
+            if pose != self.world_from_head {
+                // Put somewhere else while nothing moves: the hair is simply there too.
+                self.moving = None;
+                self.world_from_head = pose;
+            }
+        }
+        let solver = self.moving.as_ref().map(|moving| &moving.solver);
+        let guides: Vec<Option<&wgpu::Buffer>> = (0..self.n_layers)
+            .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
+            .collect();
+        let world_from_head = self.world_from_head;
+        let input = FrameInput { camera, size, world_from_head, guides: &guides, lod_scale: lod };
+        self.renderer.render(&mut encoder, &input)?;
+        copy_to_shown(&self.gpu, &mut self.shown, self.renderer.output(), &mut encoder);
+        self.gpu.queue.submit([encoder.finish()]);
+        self.gpu.wait()?;
+        Ok(())
+    }
+
+    fn pose(&self, playback: &Playback) -> Affine3A {
+        (playback.motion.head_pose(self.time_secs) + playback.head_pose).world_from_head(self.neck)
+    }
+
+    fn pass_time(
+        &mut self,
+        playback: &Playback,
+        dt_secs: f32,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), StageError> {
+        self.start_moving(playback)?;
+        self.time_secs += dt_secs;
+        let pose = self.pose(playback);
+        self.world_from_head = pose;
+        if let Some(moving) = &mut self.moving {
+            moving.solver.set_head_pose(&pose);
+            moving.solver.advance(encoder, dt_secs)?;
+        }
+        Ok(())
+    }
+
+    fn pass_step(&mut self, playback: &Playback, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
+        self.start_moving(playback)?;
+        self.time_secs += self.settings.steps_per_second.recip();
+        let pose = self.pose(playback);
+        self.world_from_head = pose;
+        if let Some(moving) = &mut self.moving {
+            moving.solver.set_head_pose(&pose);
+            moving.solver.step_once(encoder)?;
+        }
+        Ok(())
+    }
+
+    /// Make the solver where there is none yet, at rest in the present pose.
+    fn start_moving(&mut self, playback: &Playback) -> Result<(), StageError> {
+        let bindings = self.bindings();
+        if self.moving.is_some() || bindings.is_empty() {
+            return Ok(());
+        }
+        let guides: Vec<_> = bindings.iter().map(|binding| &binding.guides).collect();
+        let field = self.renderer.mirror().field().cloned();
+        let mut solver = GpuSolver::new(&self.gpu, &self.library, &guides, field.as_deref(), &self.settings)?;
+        self.world_from_head = self.pose(playback);
+        solver.set_head_pose(&self.world_from_head);
+        solver.reset();
+        self.moving = Some(Moving { solver, bindings });
+        Ok(())
+    }
+
+    pub fn is_lost(&self) -> bool {
+        self.is_lost
+    }
+
+    /// The picture of the last frame: straight alpha, encoded for an sRGB display.
+    pub fn read_pixels(&self) -> Result<image::RgbaImage, StageError> {
+        let pixels = self.renderer.read_pixels()?;
+        let [width, height] = pixels.size;
+        Ok(image::RgbaImage::from_raw(width, height, pixels.rgba).expect("as many bytes as the size says"))
+    }
+
+    /// GPU milliseconds by pass, of the newest frame that was timed.
+    pub fn pass_times(&self) -> Vec<(String, f32)> {
+        self.renderer.pass_times().into_iter().map(|(pass, ms)| (pass, ms as f32)).collect()
+    }
+
+    pub fn statistics(&self) -> lorelei_render::FrameStatistics {
+        self.renderer.statistics()
+    }
+
+    /// Fill in what the last frame was made of.
+    pub fn describe(&self, report: &mut FrameReport) {
+        let statistics = self.statistics();
+        report.n_strands = u64::from(statistics.n_strands);
+        report.n_vertices = u64::from(statistics.n_vertices);
+        report.n_bytes = statistics.n_bytes;
+        report.pass_times = self.pass_times();
+        report.sim_secs = self.time_secs;
+        report.texture.clone_from(&self.shown);
+    }
+}
+
+/// Copy the picture to a texture that the window can keep showing.
+fn copy_to_shown(
+    gpu: &Gpu,
+    shown: &mut Option<wgpu::Texture>,
+    output: &wgpu::Texture,
+    encoder: &mut wgpu::CommandEncoder,
+) {
+    if shown.as_ref().is_none_or(|shown| shown.size() != output.size()) {
+        *shown = Some(gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("stage.shown"),
+            size: output.size(),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: output.format(),
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        }));
+    }
+    if let Some(shown) = shown {
+        encoder.copy_texture_to_texture(output.as_image_copy(), shown.as_image_copy(), output.size());
+    }
+}
+
+/// What the studio opens with where no file is given.
+pub fn default_groom() -> Groom {
+    let head = Head { name: "Mannequin".to_owned(), mesh: Arc::new(lorelei_assets::head()) };
+    Groom { head: Some(head), ..Groom::default() }
+}
+
+/// The box around head and hair at rest; a box of a head's size where there is nothing.
+pub fn bounds_of(groom: &Groom) -> (Vec3, Vec3) {
+    let mut all: Option<(Vec3, Vec3)> = groom.head.as_ref().and_then(|head| head.mesh.bounds());
+    let mut add = |(min, max): (Vec3, Vec3)| {
+        all = Some(all.map_or((min, max), |(lo, hi)| (lo.min(min), hi.max(max))));
+    };
+    for layer in groom.layers.iter().filter(|layer| layer.visible) {
+        match &layer.source {
+            Source::Guides(strands) | Source::Strands(strands) => strands.bounds().into_iter().for_each(&mut add),
+            Source::HairMesh(mesh) => {
+                mesh.layers.iter().flat_map(|layer| &layer.positions).for_each(|&p| add((p, p)));
+            }
+        }
+    }
+    all.unwrap_or((Vec3::splat(-12.0), Vec3::splat(12.0)))
+}
+
+/// What the head turns about, in head space.
+pub fn neck_of(groom: &Groom) -> Vec3 {
+    groom.head.as_ref().map_or(Vec3::ZERO, |head| neck_pivot(&head.mesh))
+}

@@ -1,0 +1,200 @@
+//! Everything that a key, a menu or the palette can do: one table, which the shortcut sheet also prints.
+
+use egui::{Key, KeyboardShortcut, Modifiers};
+
+/// What to do. Dispatched in one place, `Studio::run`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Command {
+    New,
+    Open,
+    Save,
+    SaveAs,
+    ImportHair,
+    ImportHead,
+    Export,
+    SavePicture,
+    Quit,
+    Undo,
+    Redo,
+    Frame,
+    Front,
+    Back,
+    Left,
+    Right,
+    Top,
+    ThreeQuarter,
+    ToggleGizmos,
+    ResetLayout,
+    Fullscreen,
+    Play,
+    Step,
+    Reset,
+    MoveHead,
+    TurnHead,
+    MotionNone,
+    MotionTurn,
+    MotionNod,
+    MotionShake,
+    ToggleShadows,
+    ToggleLayer,
+    DuplicateLayer,
+    RemoveLayer,
+    Palette,
+    Shortcuts,
+}
+
+/// One row of the table.
+pub struct Row {
+    pub command: Command,
+    pub group: &'static str,
+    pub label: &'static str,
+    pub help: &'static str,
+    /// The first is the one that menus show.
+    pub shortcuts: &'static [KeyboardShortcut],
+}
+
+const fn key(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::NONE, key)
+}
+const fn ctrl(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND, key)
+}
+const fn ctrl_shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
+}
+const fn shift(key: Key) -> KeyboardShortcut {
+    KeyboardShortcut::new(Modifiers::SHIFT, key)
+}
+
+const fn row(
+    command: Command,
+    group: &'static str,
+    label: &'static str,
+    help: &'static str,
+    shortcuts: &'static [KeyboardShortcut],
+) -> Row {
+    Row { command, group, label, help, shortcuts }
+}
+
+/// All commands, in the order of the shortcut sheet.
+#[rustfmt::skip]
+pub const COMMANDS: &[Row] = &[
+    row(Command::New, "File", "New", "Start from the default groom", &[ctrl(Key::N)]),
+    row(Command::Open, "File", "Open\u{2026}", "A groom, or a hair file of another program", &[ctrl(Key::O)]),
+    row(Command::Save, "File", "Save", "Write the groom to its file", &[ctrl(Key::S)]),
+    row(Command::SaveAs, "File", "Save as\u{2026}", "Write the groom to another file", &[ctrl_shift(Key::S)]),
+    row(Command::ImportHair, "File", "Import hair\u{2026}", "Add a layer: .hair, .tfx, .data, .bin, .ply", &[ctrl(Key::I)]),
+    row(Command::ImportHead, "File", "Import head\u{2026}", "Replace the head: .obj, .glb, .gltf, .ply", &[ctrl_shift(Key::I)]),
+    row(Command::Export, "File", "Export strands\u{2026}", "For other programs: .hair, .tfx, .data, .usda", &[ctrl(Key::E)]),
+    row(Command::SavePicture, "File", "Save picture\u{2026}", "The viewport as a PNG", &[key(Key::F12)]),
+    row(Command::Quit, "File", "Quit", "Close the studio", &[ctrl(Key::Q)]),
+    row(Command::Undo, "Edit", "Undo", "Take back the last change", &[ctrl(Key::Z)]),
+    row(Command::Redo, "Edit", "Redo", "Do it again", &[ctrl_shift(Key::Z), ctrl(Key::Y)]),
+    row(Command::ToggleLayer, "Edit", "Show or hide the layer", "The selected layer", &[key(Key::H)]),
+    row(Command::DuplicateLayer, "Edit", "Duplicate the layer", "The selected layer", &[shift(Key::D)]),
+    row(Command::RemoveLayer, "Edit", "Remove the layer", "The selected layer", &[key(Key::Delete)]),
+    row(Command::ToggleShadows, "Look", "Switch shadows", "Between off and the technique used last", &[shift(Key::L)]),
+    row(Command::Frame, "View", "Frame all", "Head and hair fill the viewport", &[key(Key::F), key(Key::Home)]),
+    row(Command::Front, "View", "Front", "From the nose's side", &[key(Key::Num1)]),
+    row(Command::Back, "View", "Back", "From behind", &[ctrl(Key::Num1)]),
+    row(Command::Right, "View", "Side, from +X", "The model's left side", &[key(Key::Num3)]),
+    row(Command::Left, "View", "Side, from \u{2212}X", "The model's right side", &[ctrl(Key::Num3)]),
+    row(Command::Top, "View", "Top", "From above", &[key(Key::Num7)]),
+    row(Command::ThreeQuarter, "View", "Three-quarter", "35 degrees to the side", &[key(Key::Num5)]),
+    row(Command::ToggleGizmos, "View", "Show or hide handles", "Of lights and head", &[key(Key::O)]),
+    row(Command::Fullscreen, "View", "Full screen", "And back", &[key(Key::F11)]),
+    row(Command::ResetLayout, "View", "Reset the layout", "All panels back where they were at first", &[]),
+    row(Command::Play, "Movement", "Play or pause", "Let the hair move", &[key(Key::Space)]),
+    row(Command::Step, "Movement", "One step", "Of the solver", &[key(Key::ArrowRight)]),
+    row(Command::Reset, "Movement", "Reset", "Hair at rest, head where it was", &[shift(Key::Space)]),
+    row(Command::MoveHead, "Movement", "Grab the head", "Follows the pointer; click keeps, Esc takes back", &[key(Key::G)]),
+    row(Command::TurnHead, "Movement", "Turn the head", "Follows the pointer; click keeps, Esc takes back", &[key(Key::R)]),
+    row(Command::MotionNone, "Movement", "Head still", "No preset movement", &[]),
+    row(Command::MotionTurn, "Movement", "Head turns", "Looks over one shoulder, then the other", &[]),
+    row(Command::MotionNod, "Movement", "Head nods", "Yes", &[]),
+    row(Command::MotionShake, "Movement", "Head shakes", "No", &[]),
+    row(Command::Palette, "Help", "Find a command\u{2026}", "Search everything the studio can do", &[key(Key::F3), ctrl(Key::P)]),
+    row(Command::Shortcuts, "Help", "Shortcuts", "This sheet", &[key(Key::F1)]),
+];
+
+/// What the pointer does in the viewport, for the shortcut sheet.
+pub const POINTER: &[(&str, &str)] = &[
+    ("Orbit", "Middle drag, or Alt + left drag"),
+    ("Pan", "Shift + middle drag, or Alt + middle drag"),
+    ("Zoom", "Wheel, Ctrl + middle drag, or Alt + right drag"),
+    ("Aim a light", "Drag its disc"),
+    ("Move the head", "Drag the handle at the neck; with Shift: turn it"),
+    ("Reset a value", "Double-click its name"),
+    ("Type a value", "Click it; drag it to change it, with Shift slowly"),
+];
+
+impl Command {
+    pub fn row(self) -> &'static Row {
+        let found = COMMANDS.iter().find(|row| row.command == self);
+        found.expect("every command is in the table: tested")
+    }
+}
+
+/// The command whose shortcut was pressed; its key is then used up.
+///
+/// Shortcuts with more modifiers go first: Ctrl+Shift+Z is not Ctrl+Z. `is_typing`: only those with Ctrl or
+/// a function key count, the rest belongs to the text.
+pub fn pressed(ctx: &egui::Context, is_typing: bool) -> Option<Command> {
+    let mut all: Vec<(&KeyboardShortcut, Command)> =
+        COMMANDS.iter().flat_map(|row| row.shortcuts.iter().map(|shortcut| (shortcut, row.command))).collect();
+    all.sort_by_key(|(shortcut, _)| {
+        std::cmp::Reverse(shortcut.modifiers.shift as u8 + shortcut.modifiers.command as u8)
+    });
+    ctx.input_mut(|input| {
+        all.into_iter().find_map(|(shortcut, command)| {
+            let is_text = !shortcut.modifiers.command && !is_function_key(shortcut.logical_key);
+            // Undo and redo inside a text field belong to the text.
+            let is_text = is_text || matches!(command, Command::Undo | Command::Redo);
+            if is_typing && is_text {
+                return None;
+            }
+            input.consume_shortcut(shortcut).then_some(command)
+        })
+    })
+}
+
+fn is_function_key(key: Key) -> bool {
+    matches!(key, Key::F1 | Key::F3 | Key::F11 | Key::F12)
+}
+
+/// How well a label answers a search; `None` where it does not. Lower is better.
+pub fn search_rank(query: &str, row: &Row) -> Option<usize> {
+    let haystack = format!("{} {} {}", row.label, row.group, row.help).to_lowercase();
+    let query = query.trim().to_lowercase();
+    let mut rank = 0;
+    for word in query.split_whitespace() {
+        rank += haystack.find(word)?;
+    }
+    Some(rank)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_commands_share_a_shortcut_and_none_is_listed_twice() {
+        let mut shortcuts = std::collections::HashSet::new();
+        let mut commands = std::collections::HashSet::new();
+        for row in COMMANDS {
+            assert!(commands.insert(row.command), "{:?}", row.command);
+            for shortcut in row.shortcuts {
+                assert!(shortcuts.insert(format!("{shortcut:?}")), "{}: {shortcut:?}", row.label);
+            }
+        }
+    }
+
+    #[test]
+    fn search_finds_words_in_any_order_and_ranks_labels_first() {
+        let rank = |query: &str, command: Command| search_rank(query, command.row());
+        assert!(rank("head turn", Command::TurnHead).is_some());
+        assert!(rank("xyz", Command::TurnHead).is_none());
+        assert!(rank("save", Command::Save) < rank("save", Command::SavePicture).map(|rank| rank + 1));
+        assert!(rank("undo", Command::Undo) < rank("undo", Command::Redo).or(Some(99)));
+    }
+}

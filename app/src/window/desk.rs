@@ -1,0 +1,101 @@
+//! What every panel works on: the document, what is selected, where the camera is, what the stage reported.
+
+use std::collections::VecDeque;
+
+use glam::Vec3;
+use lorelei_core::camera::Camera;
+use lorelei_core::history::Merge;
+
+use super::commands::Command;
+use super::document::Document;
+use super::notices::Notices;
+use super::settings::Settings;
+use crate::stage::Playback;
+use crate::stage::thread::FrameReport;
+
+/// What the properties panel shows and the layer commands act on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Selection {
+    Head,
+    Layer(usize),
+    Light(usize),
+}
+
+/// GPU time of one frame by pass, for the plot.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FrameTimes {
+    pub passes: Vec<(String, f32)>,
+}
+
+/// How many frames the plot shows.
+pub const N_FRAMES_KEPT: usize = 240;
+
+/// The state that panels share.
+pub struct Desk {
+    pub document: Document,
+    pub selection: Selection,
+    pub camera: Camera,
+    pub playback: Playback,
+    /// What the head turns about, in head space.
+    pub neck: Vec3,
+    /// The box around head and hair at rest.
+    pub bounds: (Vec3, Vec3),
+    pub report: FrameReport,
+    pub times: VecDeque<FrameTimes>,
+    pub notices: Notices,
+    pub settings: Settings,
+    pub show_handles: bool,
+    /// Commands that panels ask for; run at the end of the frame.
+    pub asked: Vec<Command>,
+    /// What is being renamed in the outliner, and the text so far.
+    pub renaming: Option<(Selection, String)>,
+}
+
+impl Desk {
+    /// The middle of head and hair: what lights turn about.
+    pub fn centre(&self) -> Vec3 {
+        0.5 * (self.bounds.0 + self.bounds.1)
+    }
+
+    /// Distance of light handles from the middle.
+    pub fn light_radius(&self) -> f32 {
+        (0.62 * (self.bounds.1 - self.bounds.0).length()).max(1.0)
+    }
+
+    pub fn frame_all(&mut self, aspect: f32) {
+        let bounds = self.bounds;
+        self.camera.frame(bounds, aspect);
+    }
+
+    /// Bounds and neck of a document that was just opened or got another head.
+    pub fn measure(&mut self) {
+        self.bounds = crate::stage::bounds_of(&self.document.groom);
+        self.neck = crate::stage::neck_of(&self.document.groom);
+    }
+
+    pub fn clamp_selection(&mut self) {
+        let groom = &self.document.groom;
+        self.selection = match self.selection {
+            Selection::Layer(i) if i >= groom.layers.len() => {
+                groom.layers.len().checked_sub(1).map_or(Selection::Head, Selection::Layer)
+            }
+            Selection::Light(i) if i >= groom.lights.len() => {
+                groom.lights.len().checked_sub(1).map_or(Selection::Head, Selection::Light)
+            }
+            kept => kept,
+        };
+    }
+
+    /// Remember the GPU times of a frame for the plot.
+    pub fn keep_times(&mut self, times: FrameTimes) {
+        if self.times.len() == N_FRAMES_KEPT {
+            self.times.pop_front();
+        }
+        self.times.push_back(times);
+    }
+}
+
+/// How a change of a control goes into the history.
+pub fn merge_of(drag: Option<u64>) -> Merge {
+    drag.map_or(Merge::New, Merge::Drag)
+}

@@ -1,0 +1,74 @@
+//! The open groom with its history, its file, and whether it was changed since it was saved.
+
+use std::path::{Path, PathBuf};
+
+use lorelei_core::edit::Edit;
+use lorelei_core::groom::Groom;
+use lorelei_core::history::{History, Merge};
+
+/// One open document.
+#[derive(Debug, Default)]
+pub struct Document {
+    pub groom: Groom,
+    pub history: History,
+    /// `None` until it was saved, or where it came from a file of another program.
+    pub path: Option<PathBuf>,
+    /// Counts documents, so that a state number of one is never taken for another's.
+    generation: u64,
+    /// A recovered or imported document is worth saving though nothing was edited.
+    never_saved: bool,
+}
+
+impl Document {
+    /// Replace the document. `path` is the `.lorelei` file that it is in, if it is in one.
+    pub fn replace(&mut self, groom: Groom, path: Option<PathBuf>, is_unsaved: bool) {
+        let generation = self.generation + 1;
+        *self = Self { groom, history: History::default(), path, generation, never_saved: is_unsaved };
+    }
+
+    /// Apply an edit that a panel made. A panel shows the groom as it is, so an edit that does not fit is
+    /// a fault of the panel: it is logged and nothing changes.
+    pub fn edit(&mut self, label: &str, edit: Edit, merge: Merge) {
+        if let Err(why) = self.history.apply(&mut self.groom, label, edit, merge) {
+            log::error!("`{label}` was left out: {why}");
+        }
+    }
+
+    pub fn undo(&mut self) -> Option<String> {
+        self.history.undo(&mut self.groom).map(str::to_owned)
+    }
+
+    pub fn redo(&mut self) -> Option<String> {
+        self.history.redo(&mut self.groom).map(str::to_owned)
+    }
+
+    pub fn go_to(&mut self, n_done: usize) {
+        self.history.go_to(&mut self.groom, n_done);
+    }
+
+    /// Names the groom's content: the same pair, the same groom.
+    pub fn state(&self) -> (u64, u64) {
+        (self.generation, self.history.state())
+    }
+
+    pub fn is_unsaved(&self) -> bool {
+        self.never_saved || self.history.is_unsaved()
+    }
+
+    /// The groom of `state` is now in the file.
+    pub fn mark_saved(&mut self, state: (u64, u64), path: &Path) {
+        if state.0 == self.generation {
+            self.history.mark_saved(state.1);
+            self.never_saved = false;
+            self.path = Some(path.to_owned());
+        }
+    }
+
+    /// For the title bar and the file dialog.
+    pub fn title(&self) -> String {
+        match &self.path {
+            Some(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            None => self.groom.name.clone(),
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! Work on files on threads, with progress and cancel; what comes of it is picked up by the window.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, mpsc};
+
+use lorelei_core::document;
+use lorelei_core::groom::{Groom, Head, Layer};
+use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
+
+/// What came of a job.
+pub enum Done {
+    /// A document; `path` is its `.lorelei` file.
+    Opened {
+        groom: Box<Groom>,
+        path: Option<PathBuf>,
+        source: PathBuf,
+        notes: Vec<String>,
+    },
+    Hair {
+        layers: Vec<Layer>,
+        source: PathBuf,
+        notes: Vec<String>,
+    },
+    Head {
+        head: Head,
+        source: PathBuf,
+        notes: Vec<String>,
+    },
+    Saved {
+        state: (u64, u64),
+        path: PathBuf,
+    },
+    Exported {
+        path: PathBuf,
+        notes: Vec<String>,
+    },
+    Failed {
+        title: String,
+        why: String,
+    },
+    Cancelled,
+}
+
+/// A job that runs.
+pub struct Job {
+    pub label: String,
+    progress: Arc<AtomicU32>,
+    cancel: Arc<AtomicBool>,
+    receiver: mpsc::Receiver<Done>,
+}
+
+/// All jobs that run.
+#[derive(Default)]
+pub struct Jobs {
+    pub running: Vec<Job>,
+}
+
+impl Jobs {
+    /// Run `work` on a thread.
+    pub fn start(
+        &mut self,
+        ctx: &egui::Context,
+        label: impl Into<String>,
+        work: impl FnOnce(Watch<'_>) -> Done + Send + 'static,
+    ) {
+        let progress = Arc::new(AtomicU32::new(0));
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, receiver) = mpsc::channel();
+        let (their_progress, their_cancel, ctx) = (Arc::clone(&progress), Arc::clone(&cancel), ctx.clone());
+        std::thread::spawn(move || {
+            let on_progress = |share: f32| {
+                their_progress.store(share.to_bits(), Ordering::Relaxed);
+                ctx.request_repaint();
+            };
+            let done = work(Watch::new(&on_progress, &their_cancel));
+            // The window may have been closed meanwhile: then nobody listens.
+            let _ = sender.send(done);
+            ctx.request_repaint();
+        });
+        self.running.push(Job { label: label.into(), progress, cancel, receiver });
+    }
+
+    /// What has come of jobs since the last call.
+    pub fn finished(&mut self) -> Vec<Done> {
+        let mut finished = Vec::new();
+        self.running.retain(|job| match job.receiver.try_recv() {
+            Ok(done) => {
+                finished.push(done);
+                false
+            }
+            Err(mpsc::TryRecvError::Empty) => true,
+            Err(mpsc::TryRecvError::Disconnected) => {
+                let why = "the work ended without an answer: a bug; the groom is as it was".to_owned();
+                finished.push(Done::Failed { title: job.label.clone(), why });
+                false
+            }
+        });
+        finished
+    }
+
+    /// A line with a bar and a way to stop, for the status bar.
+    pub fn ui(&self, ui: &mut egui::Ui) {
+        for job in &self.running {
+            let share = f32::from_bits(job.progress.load(Ordering::Relaxed));
+            if ui.small_button("Cancel").clicked() {
+                job.cancel.store(true, Ordering::Relaxed);
+            }
+            ui.add(egui::ProgressBar::new(share).desired_width(120.0).desired_height(8.0));
+            ui.label(&job.label);
+        }
+    }
+}
+
+/// Open whatever a file holds: a document, or hair of another program as a new document.
+pub fn open(path: &Path, head_path: Option<&Path>, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: format!("Could not open {}", name_of(path)), why };
+    let format = match io::detect(path) {
+        Ok(format) => format,
+        Err(why) => return failed(why.to_string()),
+    };
+    match format.contents() {
+        Contents::Document => match document::open(path) {
+            Ok(groom) => Done::Opened {
+                groom: Box::new(groom),
+                path: Some(path.to_owned()),
+                source: path.to_owned(),
+                notes: Vec::new(),
+            },
+            Err(why) => failed(why.to_string()),
+        },
+        Contents::Strands => match io::import_groom(path, head_path, ImportOptions::default(), watch) {
+            Ok(import) => {
+                let mut notes = vec![format!("Read as {}", import.space_reason)];
+                notes.extend(import.warnings);
+                Done::Opened { groom: Box::new(import.groom), path: None, source: path.to_owned(), notes }
+            }
+            Err(why) if why.is_cancelled() => Done::Cancelled,
+            Err(why) => failed(why.to_string()),
+        },
+        Contents::Mesh => import_head(path, watch),
+    }
+}
+
+/// Read strands as layers to add.
+pub fn import_hair(path: &Path, watch: Watch<'_>) -> Done {
+    match open(path, None, watch) {
+        Done::Opened { groom, source, notes, .. } => Done::Hair { layers: groom.layers, source, notes },
+        done => done,
+    }
+}
+
+/// Read a mesh as the head.
+pub fn import_head(path: &Path, watch: Watch<'_>) -> Done {
+    match io::read_mesh(path, watch) {
+        Ok(import) => {
+            let mut notes = vec![format!("Read as {}", import.space_reason)];
+            notes.extend(import.warnings.iter().cloned());
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let head = Head { name, mesh: Arc::new(import.place()) };
+            Done::Head { head, source: path.to_owned(), notes }
+        }
+        Err(why) if why.is_cancelled() => Done::Cancelled,
+        Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Write the document.
+pub fn save(groom: &Groom, state: (u64, u64), path: &Path) -> Done {
+    match document::save(groom, path) {
+        Ok(()) => Done::Saved { state, path: path.to_owned() },
+        Err(why) => Done::Failed { title: format!("Could not save {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Generate all visible strands and write them for another program.
+pub fn export(groom: &Groom, path: &Path, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: format!("Could not export {}", name_of(path)), why };
+    let strands = io::strands_of(groom, io::What::Strands);
+    match io::write_strands(path, &strands, WriteOptions::default(), watch) {
+        Ok(notes) => Done::Exported { path: path.to_owned(), notes },
+        Err(why) => failed(why.to_string()),
+    }
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}

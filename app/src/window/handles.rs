@@ -1,0 +1,251 @@
+//! What can be grabbed in the viewport: a disc for each light on a sphere around the head, and a handle at
+//! the neck.
+
+use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
+use glam::{Mat4, Vec3};
+use lorelei_core::camera::Camera;
+use lorelei_core::edit::Edit;
+use lorelei_core::history::Merge;
+
+use super::desk::{Desk, Selection};
+use super::theme;
+
+/// Maps the world to points of the window.
+#[derive(Clone, Copy)]
+pub struct Projection {
+    clip_from_world: Mat4,
+    rect: Rect,
+}
+
+impl Projection {
+    pub fn new(camera: &Camera, rect: Rect) -> Self {
+        Self { clip_from_world: camera.clip_from_world(rect.width() / rect.height().max(1.0)), rect }
+    }
+
+    /// `None` behind the eye.
+    pub fn point(&self, world: Vec3) -> Option<egui::Pos2> {
+        let clip = self.clip_from_world * world.extend(1.0);
+        (clip.w > 1e-4).then(|| {
+            let ndc = clip.truncate() / clip.w;
+            let centre = self.rect.center();
+            pos2(centre.x + 0.5 * ndc.x * self.rect.width(), centre.y - 0.5 * ndc.y * self.rect.height())
+        })
+    }
+
+    /// Origin and unit direction of the ray through a point of the window.
+    fn ray(&self, at: egui::Pos2) -> (Vec3, Vec3) {
+        let centre = self.rect.center();
+        let x = 2.0 * (at.x - centre.x) / self.rect.width();
+        let y = -2.0 * (at.y - centre.y) / self.rect.height();
+        let world_from_clip = self.clip_from_world.inverse();
+        let near = world_from_clip.project_point3(Vec3::new(x, y, 0.0));
+        let far = world_from_clip.project_point3(Vec3::new(x, y, 0.5));
+        (near, (far - near).normalize_or(Vec3::NEG_Z))
+    }
+}
+
+/// What is being dragged; kept by the viewport between frames.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct HandleDrag {
+    /// The light's disc is on the far side of the sphere.
+    is_behind: bool,
+    /// The pointer left the sphere's outline, where the disc changes sides.
+    was_outside: bool,
+}
+
+/// The disc of every light; a drag moves the light over the sphere.
+pub fn lights(ui: &mut Ui, desk: &mut Desk, projection: Projection, drag: &mut HandleDrag) {
+    let (centre, radius) = (desk.centre(), desk.light_radius());
+    let eye = desk.camera.eye();
+    let selected = desk.selection;
+    if let Selection::Light(_) = selected {
+        outline(ui, desk, projection);
+    }
+    for light_idx in 0..desk.document.groom.lights.len() {
+        let light = desk.document.groom.lights[light_idx].clone();
+        let direction = light.direction_to(centre);
+        let at_world = centre + radius * direction;
+        let Some(at) = projection.point(at_world) else { continue };
+        let is_behind = (at_world - centre).dot(eye - centre) < 0.0;
+        let is_selected = selected == Selection::Light(light_idx);
+        let id = ui.scope_id().with(("light", light_idx));
+        let response = ui.interact(Rect::from_center_size(at, vec2(24.0, 24.0)), id, Sense::click_and_drag());
+        let is_active = response.hovered() || response.dragged();
+        disc(ui, at, projection.point(centre), &light, is_behind, is_selected, is_active);
+        if response.clicked() || response.drag_started() {
+            desk.selection = Selection::Light(light_idx);
+        }
+        if response.drag_started() {
+            *drag = HandleDrag { is_behind, was_outside: false };
+        }
+        if response.dragged_by(egui::PointerButton::Primary)
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            let (direction, is_outside) = on_sphere(projection, pointer, centre, radius, drag.is_behind);
+            // Going out over the edge and in again reaches the other side.
+            if drag.was_outside && !is_outside {
+                drag.is_behind = !drag.is_behind;
+            }
+            drag.was_outside = is_outside;
+            let mut lights = desk.document.groom.lights.clone();
+            lights[light_idx].aim_from(centre, direction);
+            let label = format!("Aim {}", light.name);
+            desk.document.edit(&label, Edit::SetLights(lights), Merge::Drag(u64::MAX - light_idx as u64));
+        }
+        if is_active {
+            ui.ctx().set_cursor_icon(if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Grab });
+        }
+    }
+}
+
+/// Direction from the centre to where the pointer's ray meets the sphere; outside its outline, to the
+/// outline's nearest point.
+fn on_sphere(projection: Projection, pointer: egui::Pos2, centre: Vec3, radius: f32, is_behind: bool) -> (Vec3, bool) {
+    let (origin, ray) = projection.ray(pointer);
+    let b = (origin - centre).dot(ray);
+    let c = (origin - centre).length_squared() - radius * radius;
+    let discriminant = b * b - c;
+    if discriminant < 0.0 {
+        let nearest = origin - b * ray;
+        return ((nearest - centre).normalize_or(Vec3::Y), true);
+    }
+    let t = if is_behind { -b + discriminant.sqrt() } else { -b - discriminant.sqrt() };
+    ((origin + t * ray - centre).normalize_or(Vec3::Y), false)
+}
+
+fn disc(
+    ui: &Ui,
+    at: egui::Pos2,
+    centre: Option<egui::Pos2>,
+    light: &lorelei_core::light::Light,
+    is_behind: bool,
+    is_selected: bool,
+    is_active: bool,
+) {
+    let peak = light.colour.iter().copied().fold(1e-6_f32, f32::max);
+    let [r, g, b] = light.colour.map(|c| c / peak);
+    let lamp: Color32 = egui::Rgba::from_rgb(r, g, b).into();
+    let strength = if is_behind { 0.35 } else { 1.0 };
+    let radius = if is_active || is_selected { 9.0 } else { 7.0 };
+    let painter = ui.painter();
+    if (is_selected || is_active)
+        && let Some(centre) = centre
+    {
+        let to_centre = (centre - at).normalized();
+        let line = Stroke::new(1.2, theme::ACCENT.gamma_multiply(0.8 * strength));
+        painter.line_segment([at + radius * to_centre, at + 46.0 * to_centre], line);
+        let tip = at + 46.0 * to_centre;
+        let side = to_centre.rot90() * 4.0;
+        painter.add(egui::Shape::convex_polygon(
+            vec![tip, tip - 9.0 * to_centre + side, tip - 9.0 * to_centre - side],
+            theme::ACCENT.gamma_multiply(strength),
+            Stroke::NONE,
+        ));
+    }
+    painter.circle_filled(at, radius + 1.5, Color32::from_black_alpha(110));
+    if light.on {
+        painter.circle_filled(at, radius - 1.0, lamp.gamma_multiply(strength));
+    }
+    let ring = if is_selected { theme::ACCENT } else { Color32::from_gray(200) };
+    painter.circle_stroke(at, radius, Stroke::new(if is_selected { 2.0 } else { 1.2 }, ring.gamma_multiply(strength)));
+    if is_active || is_selected {
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        let text = format!("{}  {:.1}", light.name, light.intensity);
+        let place = at + vec2(0.0, -radius - 9.0);
+        painter.text(
+            place + vec2(1.0, 1.0),
+            Align2::CENTER_CENTER,
+            &text,
+            font.clone(),
+            Color32::from_black_alpha(180),
+        );
+        painter.text(place, Align2::CENTER_CENTER, text, font, theme::TEXT_STRONG);
+    }
+}
+
+/// The sphere's outline and equator, faint, while a light is selected.
+fn outline(ui: &Ui, desk: &Desk, projection: Projection) {
+    let (centre, radius) = (desk.centre(), desk.light_radius());
+    let stroke = Stroke::new(1.0, Color32::from_white_alpha(26));
+    let view = desk.camera.view_from_world().inverse();
+    let rings = [(Vec3::X, Vec3::Z), (view.x_axis.truncate(), view.y_axis.truncate())];
+    for (a, b) in rings {
+        let points: Vec<_> = (0..=72)
+            .filter_map(|i| {
+                let (sin, cos) = (i as f32 / 72.0 * std::f32::consts::TAU).sin_cos();
+                projection.point(centre + radius * (cos * a + sin * b))
+            })
+            .collect();
+        ui.painter().add(egui::Shape::line(points, stroke));
+    }
+}
+
+/// The handle at the neck: a drag moves the head, with Shift it turns it; true while it is dragged.
+pub fn head(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
+    let at_world = desk.neck + desk.playback.head_pose.shift;
+    let Some(at) = projection.point(at_world) else { return false };
+    let id = ui.scope_id().with("head handle");
+    let response = ui.interact(Rect::from_center_size(at, vec2(26.0, 26.0)), id, Sense::click_and_drag());
+    let is_active = response.hovered() || response.dragged();
+    let painter = ui.painter();
+    let colour = if is_active { theme::ACCENT } else { Color32::from_gray(210) };
+    painter.circle_filled(at, 11.0, Color32::from_black_alpha(90));
+    painter.circle_stroke(at, 10.0, Stroke::new(if is_active { 2.0 } else { 1.2 }, colour));
+    for arm in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+        painter.line_segment([at + 3.0 * arm, at + 7.0 * arm], Stroke::new(1.4, colour));
+    }
+    if is_active {
+        ui.ctx().set_cursor_icon(if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Grab });
+    }
+    if response.clicked() {
+        desk.selection = Selection::Head;
+    }
+    let is_turning = ui.input(|input| input.modifiers.shift);
+    if response.dragged_by(egui::PointerButton::Primary) {
+        let viewport_height = projection.rect.height();
+        drag_head(desk, response.drag_delta(), viewport_height, is_turning);
+    }
+    response.on_hover_text("Drag to move the head, with Shift to turn it");
+    ui.ctx().is_being_dragged(id)
+}
+
+/// Move or turn the head by a drag of the pointer; the hair follows, so movement starts to play.
+pub fn drag_head(desk: &mut Desk, drag: egui::Vec2, viewport_height: f32, is_turning: bool) {
+    if drag == egui::Vec2::ZERO {
+        return;
+    }
+    let camera = desk.camera;
+    let pose = &mut desk.playback.head_pose;
+    if is_turning {
+        let rad_per_point = std::f32::consts::PI / viewport_height.max(1.0);
+        pose.yaw = (pose.yaw + rad_per_point * drag.x).clamp(-1.4, 1.4);
+        pose.pitch = (pose.pitch + rad_per_point * drag.y).clamp(-0.9, 0.9);
+    } else {
+        let cm_per_point = 2.0 * camera.distance * (0.5 * camera.fov_y_deg.to_radians()).tan() / viewport_height;
+        let world_from_view = camera.view_from_world().inverse();
+        let (right, up) = (world_from_view.x_axis.truncate(), world_from_view.y_axis.truncate());
+        pose.shift += cm_per_point * (drag.x * right - drag.y * up);
+    }
+    desk.playback.is_playing = true;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_is_found_again_on_the_sphere_from_where_it_is_seen() {
+        let camera = Camera { target: Vec3::new(0.0, 5.0, 0.0), ..Camera::default() };
+        let projection = Projection::new(&camera, Rect::from_min_size(pos2(100.0, 50.0), vec2(800.0, 600.0)));
+        let (centre, radius) = (Vec3::new(0.0, 4.0, 1.0), 12.0);
+        for direction in [Vec3::new(0.3, 0.5, 0.8), Vec3::new(-0.2, 0.4, -0.9), Vec3::new(0.5, -0.3, 0.6)] {
+            let direction = direction.normalize();
+            let seen = projection.point(centre + radius * direction).unwrap();
+            // Seen against the outline, the near side ends before the plane through the centre.
+            let normal_to_eye = (camera.eye() - (centre + radius * direction)).dot(direction);
+            let (found, is_outside) = on_sphere(projection, seen, centre, radius, normal_to_eye < 0.0);
+            assert!(!is_outside);
+            assert!(found.distance(direction) < 1e-2, "{found} {direction}");
+        }
+    }
+}

@@ -1,0 +1,639 @@
+//! The studio's window: one frame of it from top to bottom, and what every command does.
+
+mod commands;
+mod desk;
+mod document;
+mod files;
+mod handles;
+mod layout;
+mod navigation;
+mod notices;
+mod palette;
+mod panels;
+mod recovery;
+mod run_command;
+mod settings;
+mod start;
+mod state_report;
+mod status_bar;
+mod theme;
+mod top_bar;
+mod viewport;
+
+use std::collections::VecDeque;
+use std::path::Path;
+
+use lorelei_core::camera::Camera;
+use lorelei_core::groom::Groom;
+use lorelei_core::history::Merge;
+use lorelei_core::motion::HeadPose;
+use lorelei_shaders::Gpu;
+
+pub use start::{StartOptions, open};
+
+use crate::stage::Playback;
+use crate::stage::thread::{FrameReport, FrameRequest, StageThread};
+use commands::Command;
+use desk::{Desk, FrameTimes, Selection};
+use document::Document;
+use files::choose::{Choice, Chooser, Purpose};
+use files::jobs::{self, Done, Jobs};
+use lorelei_core::edit::Edit;
+use notices::{Notices, Severity};
+use palette::{Palette, PaletteAnswer};
+use recovery::Recovery;
+use settings::{SETTINGS_KEY, Settings};
+use start::Handover;
+use state_report::StateReport;
+use viewport::Viewport;
+
+/// A question that must be answered before something is lost. Nothing else waits for the answer.
+#[derive(Debug, Clone, PartialEq)]
+enum Question {
+    /// Save before what comes next?
+    Unsaved(Next),
+    /// Take what a crashed run left?
+    Recover,
+}
+
+/// What goes on once unsaved changes were saved or given up.
+#[derive(Debug, Clone, PartialEq)]
+enum Next {
+    Close,
+    New,
+    AskForFile,
+    Open(std::path::PathBuf),
+}
+
+/// The window's state.
+pub struct Studio {
+    desk: Desk,
+    viewport: Viewport,
+    stage: Option<StageThread>,
+    render_state: eframe::egui_wgpu::RenderState,
+    shown_texture: Option<wgpu::Texture>,
+    jobs: Jobs,
+    chooser: Option<Chooser>,
+    palette: Option<Palette>,
+    shows_shortcuts: bool,
+    question: Option<Question>,
+    /// After the running save.
+    after_save: Option<Next>,
+    may_close: bool,
+    recovery: Option<Recovery>,
+    state_report: Option<StateReport>,
+    handover: Handover,
+    n_pictures: u64,
+    /// Where the next picture of the viewport goes.
+    picture_path: Option<std::path::PathBuf>,
+    last_shadowing: lorelei_core::look::Shadowing,
+    title: String,
+    last_time_frame: u64,
+    is_lost: bool,
+}
+
+impl Studio {
+    fn new(
+        context: &eframe::CreationContext<'_>,
+        options: StartOptions,
+        is_after_loss: bool,
+        handover: Handover,
+    ) -> Result<Self, String> {
+        theme::install(&context.egui_ctx);
+        let mut notices = Notices::default();
+        let mut settings: Settings =
+            context.storage.and_then(|storage| eframe::get_value(storage, SETTINGS_KEY)).unwrap_or_default();
+        if !layout::is_complete(&settings.layout) {
+            settings.layout = layout::default_layout();
+        }
+        let render_state = context.wgpu_render_state.clone().ok_or("eframe was built without wgpu")?;
+        let info = render_state.adapter.get_info();
+        let gpu = Gpu::from_parts(render_state.device.clone(), render_state.queue.clone(), info);
+        let ctx = context.egui_ctx.clone();
+        let stage = match StageThread::start(gpu, move || ctx.request_repaint()) {
+            Ok(stage) => Some(stage),
+            Err(why) => {
+                notices.error("The hair cannot be drawn", why);
+                None
+            }
+        };
+        let data_folder = options
+            .data_folder
+            .clone()
+            .or_else(|| directories::ProjectDirs::from("", "", "lorelei").map(|dirs| dirs.data_local_dir().to_owned()));
+        let recovery = data_folder.and_then(|folder| match Recovery::new(folder.join("recovery")) {
+            Ok(recovery) => Some(recovery),
+            Err(why) => {
+                notices.push(Severity::Warning, "No autosave", format!("The recovery folder cannot be used: {why}"));
+                None
+            }
+        });
+        let question = recovery.as_ref().filter(|recovery| !recovery.left.is_empty() && !is_after_loss);
+        let question = question.map(|_| Question::Recover);
+        if is_after_loss {
+            notices.push(
+                Severity::Error,
+                "The GPU was lost",
+                "A new window was opened and your groom is here. Save it. If this happens again, fewer strands or a smaller shadow map may help.",
+            );
+        }
+        let desk = Desk {
+            document: Document::default(),
+            selection: Selection::Layer(0),
+            camera: Camera::default(),
+            playback: Playback::default(),
+            neck: glam::Vec3::ZERO,
+            bounds: (glam::Vec3::splat(-10.0), glam::Vec3::splat(10.0)),
+            report: FrameReport::default(),
+            times: VecDeque::new(),
+            notices,
+            settings,
+            show_handles: true,
+            asked: Vec::new(),
+            renaming: None,
+        };
+        let mut studio = Self {
+            desk,
+            viewport: Viewport::default(),
+            stage,
+            render_state,
+            shown_texture: None,
+            jobs: Jobs::default(),
+            chooser: None,
+            palette: None,
+            shows_shortcuts: false,
+            question,
+            after_save: None,
+            may_close: false,
+            recovery,
+            state_report: options.report_state.map(StateReport::new),
+            handover,
+            n_pictures: 0,
+            picture_path: None,
+            last_shadowing: lorelei_core::look::Shadowing::DeepOpacity,
+            title: String::new(),
+            last_time_frame: 0,
+            is_lost: false,
+        };
+        match options.file {
+            Some(path) => studio.start_opening(&context.egui_ctx, &path, options.head),
+            None => studio.start_default(&context.egui_ctx),
+        }
+        Ok(studio)
+    }
+
+    /// Open the default groom on a thread: its strands are made when it opens.
+    fn start_default(&mut self, ctx: &egui::Context) {
+        self.jobs.start(ctx, "Opening the default groom", |_| Done::Opened {
+            groom: Box::new(crate::stage::default_groom()),
+            path: None,
+            source: std::path::PathBuf::new(),
+            notes: Vec::new(),
+        });
+    }
+
+    fn start_opening(&mut self, ctx: &egui::Context, path: &Path, head: Option<std::path::PathBuf>) {
+        let path = path.to_owned();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.jobs.start(ctx, format!("Opening {name}"), move |watch| jobs::open(&path, head.as_deref(), watch));
+    }
+
+    /// Show another document.
+    fn show_document(&mut self, groom: Groom, path: Option<std::path::PathBuf>, is_unsaved: bool) {
+        self.desk.document.replace(groom, path, is_unsaved);
+        self.desk.measure();
+        self.desk.clamp_selection();
+        self.desk.selection =
+            if self.desk.document.groom.layers.is_empty() { Selection::Head } else { Selection::Layer(0) };
+        self.desk.playback.is_playing = false;
+        self.desk.playback.head_pose = HeadPose::default();
+        self.desk.playback.n_resets += 1;
+        self.desk.frame_all(self.viewport.aspect());
+        if let Some(recovery) = &mut self.recovery {
+            recovery.forget_own();
+        }
+    }
+
+    /// Take over what jobs have done.
+    fn finish_jobs(&mut self, ctx: &egui::Context) {
+        for done in self.jobs.finished() {
+            match done {
+                Done::Opened { groom, path, source, notes } => {
+                    let is_default = source.as_os_str().is_empty();
+                    if !is_default {
+                        self.desk.settings.remember(&source);
+                    }
+                    self.note(&source, &notes);
+                    // An import is not in a document yet; the default groom is no work of anybody's.
+                    let is_unsaved = path.is_none() && !is_default;
+                    self.show_document(*groom, path, is_unsaved);
+                }
+                Done::Hair { layers, source, notes } => {
+                    self.desk.settings.remember(&source);
+                    self.note(&source, &notes);
+                    self.add_layers(layers);
+                }
+                Done::Head { head, source, notes } => {
+                    self.desk.settings.remember(&source);
+                    self.note(&source, &notes);
+                    self.desk.document.edit("Import head", Edit::SetHead(Some(head)), Merge::New);
+                    self.desk.measure();
+                }
+                Done::Saved { state, path } => {
+                    self.desk.settings.remember(&path);
+                    self.desk.document.mark_saved(state, &path);
+                    if let Some(recovery) = &mut self.recovery {
+                        recovery.forget_own();
+                    }
+                    if let Some(next) = self.after_save.take() {
+                        self.go_on(ctx, next);
+                    }
+                }
+                Done::Exported { path, notes } => {
+                    let name = path.display().to_string();
+                    self.desk.notices.push(Severity::Info, "Exported", name);
+                    self.note(&path, &notes);
+                }
+                Done::Failed { title, why } => {
+                    self.after_save = None;
+                    self.desk.notices.error(title, why);
+                }
+                Done::Cancelled => self.after_save = None,
+            }
+        }
+    }
+
+    fn note(&mut self, source: &Path, notes: &[String]) {
+        if !notes.is_empty() {
+            let name = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            self.desk.notices.push(Severity::Info, name, notes.join("\n"));
+        }
+    }
+
+    fn add_layers(&mut self, layers: Vec<lorelei_core::groom::Layer>) {
+        let n = self.desk.document.groom.layers.len();
+        let names: Vec<String> = layers.iter().map(|layer| layer.name.clone()).collect();
+        let edits = layers
+            .into_iter()
+            .enumerate()
+            .map(|(i, layer)| Edit::AddLayer { layer_idx: n + i, layer: Box::new(layer) })
+            .collect();
+        self.desk.document.edit(&format!("Add {}", names.join(", ")), Edit::Batch(edits), Merge::New);
+        self.desk.selection = Selection::Layer(n);
+        self.desk.measure();
+    }
+
+    /// Show what the stage has drawn since the last frame.
+    fn pick_up(&mut self) {
+        let Some(stage) = &self.stage else { return };
+        let mut report = stage.pick_up();
+        for warning in std::mem::take(&mut report.warnings) {
+            self.desk.notices.push(Severity::Warning, "About this groom", warning);
+        }
+        for why in std::mem::take(&mut report.errors) {
+            self.desk.notices.error("The picture may be old or incomplete", why);
+        }
+        if let Some((_, picture)) = report.picture.take()
+            && let Some(path) = self.picture_path.take()
+        {
+            match picture.save(&path) {
+                Ok(()) => self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string()),
+                Err(why) => self.desk.notices.error("The picture was not saved", format!("{}: {why}", path.display())),
+            }
+        }
+        if report.texture != self.shown_texture
+            && let Some(texture) = &report.texture
+        {
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let mut renderer = self.render_state.renderer.write();
+            let device = &self.render_state.device;
+            if let Some(id) = self.viewport.texture {
+                renderer.update_egui_texture_from_wgpu_texture(device, &view, wgpu::FilterMode::Linear, id);
+            } else {
+                let id = renderer.register_native_texture(device, &view, wgpu::FilterMode::Linear);
+                self.viewport.texture = Some(id);
+            }
+            self.shown_texture = Some(texture.clone());
+        }
+        if report.frame_idx != self.last_time_frame && !report.pass_times.is_empty() {
+            self.last_time_frame = report.frame_idx;
+            self.desk.keep_times(FrameTimes { passes: report.pass_times.clone() });
+        }
+        self.is_lost |= report.is_lost;
+        self.desk.report = report;
+    }
+
+    /// Tell the stage what should be seen now.
+    fn post(&self) {
+        let Some(stage) = &self.stage else { return };
+        if self.viewport.size[0] <= 1 || self.is_lost || self.desk.document.state() == (0, 0) {
+            return;
+        }
+        stage.post(&FrameRequest {
+            groom: self.desk.document.groom.clone(),
+            state: self.desk.document.state(),
+            camera: self.desk.camera,
+            size: self.viewport.size,
+            playback: self.desk.playback,
+            is_interacting: self.viewport.is_interacting,
+            moving_budget_ms: self.desk.settings.moving_budget_ms,
+            n_pictures: self.n_pictures,
+        });
+    }
+
+    /// Whether the picture on screen is of the document, camera and size as they are now.
+    fn is_shown(&self) -> bool {
+        let report = &self.desk.report;
+        report.state == self.desk.document.state()
+            && report.camera == Some(self.desk.camera)
+            && report.size == self.viewport.size
+            && self.jobs.running.is_empty()
+    }
+
+    /// For the state report: where the head's handle is.
+    fn head_handle(&self) -> Option<[f32; 2]> {
+        let projection = handles::Projection::new(&self.desk.camera, self.viewport.rect?);
+        let at = projection.point(self.desk.neck + self.desk.playback.head_pose.shift)?;
+        Some([at.x, at.y])
+    }
+
+    fn open_question(&self) -> Option<&'static str> {
+        match self.question {
+            Some(Question::Unsaved(_)) => Some("unsaved"),
+            Some(Question::Recover) => Some("recover"),
+            None => None,
+        }
+    }
+
+    /// The GPU is gone: keep the groom, end this window, and let a new one open it.
+    fn hand_over(&mut self, ctx: &egui::Context) {
+        let Some(recovery) = &self.recovery else { return };
+        if self.may_close {
+            return;
+        }
+        match recovery.write_now(&self.desk.document.groom) {
+            Ok(path) => {
+                let mut handover = self.handover.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                *handover = Some(path);
+                drop(handover);
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Err(why) => self.desk.notices.error("The GPU was lost and the groom could not be kept", why),
+        }
+    }
+
+    fn autosave(&mut self) {
+        let state = self.desk.document.state();
+        let is_unsaved = self.desk.document.is_unsaved();
+        if let Some(recovery) = &mut self.recovery
+            && recovery.is_due(state, is_unsaved)
+        {
+            recovery.write(&self.desk.document.groom, state);
+        }
+    }
+
+    fn questions(&mut self, ctx: &egui::Context) {
+        let Some(question) = self.question.clone() else { return };
+        let (title, text, buttons): (_, String, [&str; 3]) = match &question {
+            Question::Unsaved(_) => (
+                "Save the changes?",
+                format!("{} has changes that are in no file.", self.desk.document.title()),
+                ["Save", "Do not save", "Cancel"],
+            ),
+            Question::Recover => (
+                "Recover unsaved work?",
+                "The studio ended without saving the last time. What was changed up to a minute before is here."
+                    .to_owned(),
+                ["Recover", "Throw away", "Later"],
+            ),
+        };
+        let mut pressed = None;
+        egui::Window::new(title)
+            .collapsible(false)
+            .resizable(false)
+            .anchor(egui::Align2::CENTER_CENTER, [0.0, -60.0])
+            .order(egui::Order::Foreground)
+            .show(ctx, |ui| {
+                ui.set_width(360.0);
+                ui.add(egui::Label::new(text).wrap());
+                ui.add_space(10.0);
+                ui.horizontal(|ui| {
+                    for (i, label) in buttons.into_iter().enumerate() {
+                        let fill = if i == 0 { theme::ACCENT_DIM } else { theme::CONTROL };
+                        let text = egui::RichText::new(label).color(theme::TEXT_STRONG);
+                        let button = egui::Button::new(text).fill(fill).min_size(egui::vec2(90.0, 28.0));
+                        if ui.add(button).clicked() {
+                            pressed = Some(i);
+                        }
+                    }
+                });
+            });
+        if ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Escape)) {
+            pressed = Some(2);
+        }
+        let Some(pressed) = pressed else { return };
+        self.question = None;
+        match (question, pressed) {
+            (Question::Unsaved(next), 0) => {
+                self.after_save = Some(next);
+                self.save(ctx);
+            }
+            (Question::Unsaved(next), 1) => self.go_on(ctx, next),
+            (Question::Recover, 0) => {
+                if let Some(path) = self.recovery.as_ref().and_then(|recovery| recovery.left.first()).cloned() {
+                    self.recover(&path);
+                }
+            }
+            (Question::Recover, 1) => {
+                if let Some(recovery) = &mut self.recovery {
+                    recovery.forget_left();
+                }
+            }
+            (Question::Unsaved(_) | Question::Recover, _) => {}
+        }
+    }
+
+    fn recover(&mut self, path: &Path) {
+        match lorelei_core::document::open(path) {
+            Ok(groom) => {
+                self.show_document(groom, None, true);
+                if let Some(recovery) = &mut self.recovery {
+                    recovery.forget_left();
+                }
+            }
+            Err(why) => self.desk.notices.error("The unsaved work could not be read", why),
+        }
+    }
+
+    fn dropped_files(&mut self, ctx: &egui::Context) {
+        let dropped: Vec<_> = ctx.input(|input| input.raw.dropped_files.clone());
+        for file in dropped {
+            self.open_or_ask(ctx, file.path());
+        }
+    }
+
+    fn choosers(&mut self, ctx: &egui::Context) {
+        let Some((purpose, choice)) = self.chooser.as_mut().and_then(|chooser| chooser.ui(ctx)) else { return };
+        self.chooser = None;
+        match choice {
+            Choice::Cancelled => self.after_save = None,
+            Choice::Path(path) => self.chosen(ctx, purpose, path),
+        }
+    }
+
+    fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: std::path::PathBuf) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.desk.settings.folder = path.parent().map(Path::to_owned);
+        let groom = self.desk.document.groom.clone();
+        match purpose {
+            Purpose::Open => self.open_or_ask(ctx, &path),
+            Purpose::SaveAs => self.save_to(ctx, path),
+            Purpose::ImportHair => {
+                self.jobs.start(ctx, format!("Importing {name}"), move |watch| jobs::import_hair(&path, watch));
+            }
+            Purpose::ImportHead => {
+                self.jobs.start(ctx, format!("Importing {name}"), move |watch| jobs::import_head(&path, watch));
+            }
+            Purpose::Export => {
+                self.jobs.start(ctx, format!("Exporting {name}"), move |watch| jobs::export(&groom, &path, watch));
+            }
+            Purpose::SavePicture => {
+                self.picture_path = Some(path);
+                self.n_pictures += 1;
+            }
+        }
+    }
+
+    fn palettes(&mut self, ctx: &egui::Context) {
+        if let Some(palette) = &mut self.palette {
+            match palette.ui(ctx) {
+                PaletteAnswer::StaysOpen => {}
+                PaletteAnswer::Closed => self.palette = None,
+                PaletteAnswer::Run(command) => {
+                    self.palette = None;
+                    self.desk.asked.push(command);
+                }
+            }
+        }
+        if self.shows_shortcuts {
+            self.shows_shortcuts = palette::shortcut_sheet(ctx);
+        }
+    }
+}
+
+impl eframe::App for Studio {
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        self.finish_jobs(&ctx);
+        self.pick_up();
+        if self.is_lost {
+            self.hand_over(&ctx);
+        }
+        let is_typing = ctx.text_edit_focused() || self.desk.renaming.is_some();
+        if let Some(command) = commands::pressed(&ctx, is_typing) {
+            self.desk.asked.push(command);
+        }
+        top_bar::ui(ui, self);
+        status_bar::ui(ui, self);
+        let background = egui::Frame::new().fill(theme::GAP);
+        egui::CentralPanel::no_frame().frame(background).show(ui, |ui| {
+            let mut layout = std::mem::replace(
+                &mut self.desk.settings.layout,
+                egui_tiles::Tree::empty(egui::Id::unique("moved out")),
+            );
+            let mut behavior = layout::Behavior { desk: &mut self.desk, viewport: &mut self.viewport };
+            layout.ui(&mut behavior, ui);
+            self.desk.settings.layout = layout;
+        });
+        self.palettes(&ctx);
+        self.choosers(&ctx);
+        self.questions(&ctx);
+        self.desk.notices.ui(&ctx, self.viewport.rect);
+        self.dropped_files(&ctx);
+        if ctx.input(|input| input.viewport().close_requested()) && !self.may_close {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.ask_or_go_on(&ctx, Next::Close);
+        }
+        for command in std::mem::take(&mut self.desk.asked) {
+            self.run(&ctx, command);
+        }
+        if !ctx.input(|input| input.pointer.any_down()) {
+            self.desk.document.history.end_drag();
+        }
+        self.desk.clamp_selection();
+        self.autosave();
+        self.post();
+        self.show_title(&ctx);
+        if self.viewport.is_interacting {
+            ctx.request_repaint();
+        } else {
+            // Autosave looks at the clock.
+            ctx.request_repaint_after_secs(10.0);
+        }
+        if let Some(mut report) = self.state_report.take() {
+            match report.write(self) {
+                Ok(()) => self.state_report = Some(report),
+                Err(why) => log::error!("--report-state: {why}"),
+            }
+        }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, SETTINGS_KEY, &self.desk.settings);
+    }
+
+    fn on_exit(&mut self) {
+        let was_lost = self.handover.lock().unwrap_or_else(std::sync::PoisonError::into_inner).is_some();
+        if let Some(recovery) = &mut self.recovery
+            && !was_lost
+        {
+            recovery.forget_own();
+        }
+        self.stage = None;
+    }
+}
+
+impl Studio {
+    fn show_title(&mut self, ctx: &egui::Context) {
+        let mark = if self.desk.document.is_unsaved() { " *" } else { "" };
+        let title = format!("{}{mark} - Lorelei", self.desk.document.title());
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    fn grab(&mut self, is_turning: bool) {
+        self.viewport.start_grab(&self.desk, is_turning);
+    }
+
+    fn choose(&mut self, ctx: &egui::Context, purpose: Purpose) {
+        let settings = &self.desk.settings;
+        let document = &self.desk.document;
+        let stem = document
+            .path
+            .as_deref()
+            .and_then(Path::file_stem)
+            .map_or_else(|| document.groom.name.clone(), |stem| stem.to_string_lossy().into_owned());
+        let name = if purpose.is_save() {
+            purpose.with_extension(stem.replace(std::path::is_separator, "-").into()).display().to_string()
+        } else {
+            String::new()
+        };
+        let folder = settings.folder.as_deref();
+        self.chooser = Some(Chooser::new(ctx, purpose, settings.use_system_dialogs, folder, name));
+    }
+
+    fn is_enabled(&self, command: Command) -> bool {
+        let document = &self.desk.document;
+        match command {
+            Command::Undo => document.history.can_undo(),
+            Command::Redo => document.history.can_redo(),
+            Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
+                matches!(self.desk.selection, Selection::Layer(_))
+            }
+            _ => true,
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What is selected: a layer's counts, widths, fibre and style stack; the head; a light.
+
+use egui::{RichText, Ui};
+use lorelei_core::edit::Edit;
+use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
+use lorelei_core::history::Merge;
+use lorelei_core::look::ParamValue;
+use lorelei_core::style::{StyleKind, StyleOp};
+
+use super::widgets::{self, Change, section, thousands};
+use crate::window::commands::Command;
+use crate::window::desk::{Desk, Selection, merge_of};
+use crate::window::theme;
+
+pub fn ui(ui: &mut Ui, desk: &mut Desk) {
+    match desk.selection {
+        Selection::Head => head(ui, desk),
+        Selection::Layer(layer_idx) => layer(ui, desk, layer_idx),
+        Selection::Light(light_idx) => super::lights::one(ui, desk, light_idx),
+    }
+}
+
+fn head(ui: &mut Ui, desk: &mut Desk) {
+    match &desk.document.groom.head {
+        Some(head) => {
+            ui.heading(&head.name);
+            let mesh = &head.mesh;
+            ui.label(format!("{} triangles", thousands(mesh.triangles.len() as u64)));
+            if let Some((min, max)) = mesh.bounds() {
+                let size = max - min;
+                ui.label(format!("{:.1} \u{d7} {:.1} \u{d7} {:.1} cm", size.x, size.y, size.z));
+            }
+            if mesh.groups.is_empty() {
+                ui.label(RichText::new("No named face groups").color(theme::TEXT_WEAK));
+            }
+            for group in &mesh.groups {
+                let text = format!("{}: {} faces", group.name, thousands(group.triangles.len() as u64));
+                ui.label(RichText::new(text).color(theme::TEXT_WEAK));
+            }
+        }
+        None => {
+            ui.label("Hair without a head: nothing to collide with, nothing to cast shadows on.");
+        }
+    }
+    ui.add_space(6.0);
+    if ui.button("Import another head\u{2026}").on_hover_text(Command::ImportHead.row().help).clicked() {
+        desk.asked.push(Command::ImportHead);
+    }
+}
+
+fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
+    let Some(shown) = desk.document.groom.layers.get(layer_idx) else { return };
+    let mut layer = shown.clone();
+    ui.horizontal(|ui| {
+        ui.heading(&layer.name);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.label(RichText::new(described(&layer.source)).color(theme::TEXT_WEAK));
+        });
+    });
+    section(ui, "Fibre");
+    let mut default_material = HairMaterial::default();
+    let mut material_change = presets(ui, &mut layer.material);
+    {
+        let mut default = default_material.slot();
+        let mut slot = layer.material.slot();
+        material_change = widgets::slot(ui, &mut slot, &mut default, None).or(material_change);
+    }
+    section(ui, "Strands");
+    let mut default = Layer::new("", layer.source.clone());
+    default.n_strands = layer.n_strands;
+    let defaults: Vec<(String, String)> =
+        default.params().iter().map(|param| (param.key.clone(), param.value.to_text())).collect();
+    let mut layer_change = None;
+    for mut param in layer.params() {
+        let default = defaults.iter().find(|(key, _)| *key == param.key).map(|(_, text)| text.as_str());
+        // Where the strand count is the style's own, there is no other default to go back to.
+        let default = if matches!(param.value, ParamValue::U32(_)) { None } else { default };
+        layer_change = widgets::param(ui, &mut param, default).or(layer_change);
+    }
+    section(ui, "Style");
+    let style_change = style_stack(ui, &mut layer.style);
+    let document = &mut desk.document;
+    if let Some(change) = material_change {
+        let edit = Edit::SetMaterial { layer_idx, material: layer.material };
+        document.edit(&change.label, edit, merge_of(change.drag));
+    } else if let Some(change) = style_change {
+        document.edit(&change.label, Edit::SetStyle { layer_idx, style: layer.style }, merge_of(change.drag));
+    } else if let Some(change) = layer_change {
+        let edit = Edit::SetLayer { layer_idx, layer: Box::new(layer) };
+        document.edit(&change.label, edit, merge_of(change.drag));
+    }
+}
+
+fn described(source: &Source) -> String {
+    match source {
+        Source::HairMesh(mesh) => {
+            let n_bundles = mesh.layers.first().map_or(0, |layer| layer.faces.len());
+            format!("hair mesh, {} bundles", thousands(n_bundles as u64))
+        }
+        Source::Guides(guides) => format!("{} guides", thousands(guides.n_strands() as u64)),
+        Source::Strands(strands) => format!("{} points", thousands(strands.n_points() as u64)),
+    }
+}
+
+/// Hair colours by name; concentrations after the ranges of d'Eon et al. 2011.
+const COLOURS: [(&str, f32, f32); 6] = [
+    ("Black", 8.0, 0.2),
+    ("Brown", 1.3, 0.2),
+    ("Light brown", 0.7, 0.2),
+    ("Red", 0.35, 1.5),
+    ("Blond", 0.25, 0.2),
+    ("White", 0.01, 0.01),
+];
+
+fn presets(ui: &mut Ui, material: &mut HairMaterial) -> Option<Change> {
+    let mut change = None;
+    ui.horizontal_wrapped(|ui| {
+        for (name, eumelanin, pheomelanin) in COLOURS {
+            if ui.small_button(name).clicked() {
+                material.pigment = lorelei_core::groom::Pigment::Melanin;
+                (material.eumelanin, material.pheomelanin) = (eumelanin, pheomelanin);
+                change = Some(Change::once(format!("{name} hair")));
+            }
+        }
+    });
+    change
+}
+
+fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
+    let mut change = None;
+    let mut removed = None;
+    let mut swapped = None;
+    let n_ops = style.len();
+    for (op_idx, op) in style.iter_mut().enumerate() {
+        let id = ui.make_persistent_id(("style", op_idx));
+        let state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
+        state
+            .show_header(ui, |ui| {
+                if widgets::switch(ui, &mut op.on).changed() {
+                    let label = format!("{} {}", op.kind.label(), if op.on { "on" } else { "off" });
+                    change = Some(Change::once(label));
+                }
+                ui.label(op.kind.label()).on_hover_text(op.kind.help());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    if ui.small_button("\u{d7}").on_hover_text("Remove").clicked() {
+                        removed = Some(op_idx);
+                    }
+                    if ui.add_enabled(op_idx + 1 < n_ops, egui::Button::new("\u{2193}").small()).clicked() {
+                        swapped = Some((op_idx, op_idx + 1));
+                    }
+                    if ui.add_enabled(op_idx > 0, egui::Button::new("\u{2191}").small()).clicked() {
+                        swapped = Some((op_idx, op_idx - 1));
+                    }
+                });
+            })
+            .body(|ui| {
+                let mut default = StyleOp::new(op.kind);
+                let defaults: Vec<String> = default.params().iter().map(|param| param.value.to_text()).collect();
+                for (param, default) in op.params().iter_mut().zip(&defaults) {
+                    change = widgets::param(ui, param, Some(default)).or(change.take());
+                }
+            });
+    }
+    if let Some((a, b)) = swapped {
+        style.swap(a, b);
+        change = Some(Change::once("Reorder style"));
+    }
+    if let Some(op_idx) = removed {
+        let op = style.remove(op_idx);
+        change = Some(Change::once(format!("Remove {}", op.kind.label().to_lowercase())));
+    }
+    ui.menu_button("Add an operator", |ui| {
+        for kind in StyleKind::DEFAULTS {
+            if ui.button(kind.label()).on_hover_text(kind.help()).clicked() {
+                style.push(StyleOp::new(kind));
+                change = Some(Change::once(format!("Add {}", kind.label().to_lowercase())));
+            }
+        }
+    });
+    change
+}
+
+/// Add, copy or remove layers as the commands ask.
+pub fn layer_command(desk: &mut Desk, command: Command) {
+    let Selection::Layer(layer_idx) = desk.selection else { return };
+    let groom: &Groom = &desk.document.groom;
+    let Some(layer) = groom.layers.get(layer_idx) else { return };
+    match command {
+        Command::ToggleLayer => {
+            let visible = !layer.visible;
+            let label = format!("{} {}", if visible { "Show" } else { "Hide" }, layer.name);
+            desk.document.edit(&label, Edit::SetLayerVisible { layer_idx, visible }, Merge::New);
+        }
+        Command::DuplicateLayer => {
+            let mut copy = layer.clone();
+            copy.name = format!("{} copy", layer.name);
+            let edit = Edit::AddLayer { layer_idx: layer_idx + 1, layer: Box::new(copy) };
+            desk.document.edit("Duplicate layer", edit, Merge::New);
+            desk.selection = Selection::Layer(layer_idx + 1);
+        }
+        Command::RemoveLayer => {
+            let label = format!("Remove {}", layer.name);
+            desk.document.edit(&label, Edit::RemoveLayer { layer_idx }, Merge::New);
+        }
+        other => log::error!("{other:?} is no layer command"),
+    }
+}

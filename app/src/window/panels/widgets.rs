@@ -1,0 +1,270 @@
+//! Rows of a form: one way to show a number, a colour, a choice and a switch, everywhere the same.
+//!
+//! A row's name stands at the left, its control fills the right. A changed value carries an accent mark;
+//! double-clicking the name resets it. Controls write into a copy of the value, and the panel turns the
+//! [`Change`] into an edit.
+
+use std::hash::{Hash, Hasher};
+
+use egui::{Align, Align2, Color32, DragValue, Layout, Response, RichText, Sense, Ui, vec2};
+use lorelei_core::look::{Param, ParamValue, Slot};
+
+use crate::window::theme;
+
+/// That a control was used, on what, and in which drag.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Change {
+    pub label: String,
+    /// Names the drag that the change is a part of; `None`: a step of its own.
+    pub drag: Option<u64>,
+}
+
+impl Change {
+    pub fn once(label: impl Into<String>) -> Self {
+        Self { label: label.into(), drag: None }
+    }
+
+    /// What a control's response says about how it was changed.
+    pub fn from_response(label: &str, response: &Response) -> Option<Self> {
+        response.changed().then(|| {
+            let drag = response.dragged().then(|| {
+                let mut hasher = std::hash::DefaultHasher::new();
+                response.id.hash(&mut hasher);
+                hasher.finish()
+            });
+            Self { label: label.to_owned(), drag }
+        })
+    }
+}
+
+/// Share of a row that its name takes.
+const NAME_SHARE: f32 = 0.47;
+
+/// A name and the space for a control; returns whether the name was double-clicked, and the control's value.
+pub fn form_row<R>(
+    ui: &mut Ui,
+    name: &str,
+    help: &str,
+    is_changed: bool,
+    control: impl FnOnce(&mut Ui) -> R,
+) -> (bool, R) {
+    ui.horizontal(|ui| {
+        ui.set_min_height(theme::ROW);
+        let width = ui.available_width();
+        let name_width = (width * NAME_SHARE).floor();
+        let (rect, response) = ui.allocate_exact_size(vec2(name_width, theme::ROW), Sense::click());
+        let colour = if is_changed { theme::TEXT_STRONG } else { theme::TEXT };
+        let font = egui::TextStyle::Body.resolve(ui.style());
+        let galley = ui.painter().layout_no_wrap(name.to_owned(), font, colour);
+        let is_cut = galley.size().x > name_width - 8.0;
+        let at = Align2::LEFT_CENTER.anchor_size(rect.left_center() + vec2(8.0, 0.0), galley.size()).min;
+        ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(at, galley, colour);
+        if is_changed {
+            let mark = egui::Rect::from_center_size(rect.left_center() + vec2(2.0, 0.0), vec2(3.0, 12.0));
+            ui.painter().rect_filled(mark, 1.5, theme::ACCENT);
+        }
+        let is_reset = response.double_clicked();
+        if response.hovered() && (is_cut || !help.is_empty() || is_changed) {
+            response.on_hover_ui(|ui| {
+                if is_cut {
+                    ui.label(RichText::new(name).strong());
+                }
+                if !help.is_empty() {
+                    ui.label(help);
+                }
+                if is_changed {
+                    ui.label(RichText::new("Double-click the name to reset").color(theme::TEXT_WEAK).small());
+                }
+            });
+        }
+        (is_reset, control(ui))
+    })
+    .inner
+}
+
+/// A number that is dragged or typed, with its place in the range drawn behind it.
+pub fn number(ui: &mut Ui, value: &mut f32, (min, max): (f32, f32), unit: &str) -> Response {
+    let speed =
+        if min >= 0.0 && max / min.max(1.0) >= 2000.0 { (*value * 0.01).max(0.01) } else { (max - min) / 300.0 };
+    let decimals = match max - min {
+        range if range <= 5.0 => 3,
+        range if range <= 100.0 => 2,
+        range if range <= 1000.0 => 1,
+        _ => 0,
+    };
+    let control = DragValue::new(value).range(min..=max).speed(f64::from(speed)).max_decimals(decimals);
+    let response = field(ui, control, unit);
+    fill(ui, response, (*value - min) / (max - min))
+}
+
+/// A whole number that is dragged or typed.
+pub fn integer(ui: &mut Ui, value: &mut u32, (min, max): (u32, u32), unit: &str) -> Response {
+    let is_wide = max > 2000;
+    let speed = if is_wide { (f64::from(*value) * 0.01).max(1.0) } else { f64::from(max - min) / 300.0 };
+    let control = DragValue::new(value).range(min..=max).speed(speed);
+    let response = field(ui, control, unit);
+    fill(ui, response, (*value as f32 - min as f32) / (max - min).max(1) as f32)
+}
+
+/// The control over the rest of the row, its unit after the number.
+fn field(ui: &mut Ui, control: DragValue<'_>, unit: &str) -> Response {
+    let suffix = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let size = vec2(ui.available_width(), theme::ROW);
+    ui.add_sized(size, control.suffix(suffix))
+}
+
+/// Draw how far along its range a value is, over the lower edge of its field.
+fn fill(ui: &Ui, response: Response, share: f32) -> Response {
+    let rect = response.rect;
+    if !response.has_focus() {
+        let width = rect.width() * share.clamp(0.0, 1.0);
+        let bar = egui::Rect::from_min_size(egui::pos2(rect.left(), rect.bottom() - 2.0), vec2(width, 2.0));
+        let colour = if response.hovered() || response.dragged() { theme::ACCENT } else { Color32::from_gray(112) };
+        ui.painter().rect_filled(bar, 1.0, colour);
+    }
+    response
+}
+
+/// One parameter of the tables in `core`; `default`: what it is reset to.
+pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Option<Change> {
+    let is_changed = default.is_some_and(|default| default != param.value.to_text());
+    let (label, unit, range) = (param.label, param.unit, (param.min, param.max));
+    let (is_reset, response) = form_row(ui, label, param.help, is_changed, |ui| match &mut param.value {
+        ParamValue::F32(value) => number(ui, value, range, unit),
+        ParamValue::U32(value) => integer(ui, value, (range.0 as u32, range.1 as u32), unit),
+        ParamValue::Colour(rgb) => colour(ui, rgb),
+    });
+    if is_reset && let Some(default) = default {
+        param.set_from_text(default).ok()?;
+        return Some(Change::once(format!("Reset {}", label.to_lowercase())));
+    }
+    Change::from_response(label, &response)
+}
+
+/// A colour that opens a picker; linear RGB.
+pub fn colour(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
+    ui.scope(|ui| {
+        ui.spacing_mut().interact_size = vec2(ui.available_width(), theme::ROW);
+        ui.color_edit_button_rgb(rgb)
+    })
+    .inner
+}
+
+/// A slot: its choice, its cost, and the parameters that belong to the choice.
+pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, cost_ms: Option<f32>) -> Option<Change> {
+    let mut change = None;
+    let infos = slot.choice.infos();
+    let index = slot.choice.index();
+    let is_switch = infos.len() == 2 && infos[0].name == "on" && infos[1].name == "off";
+    let is_changed = index != default.choice.index();
+    let mut chosen = index;
+    let (is_reset, ()) = form_row(ui, slot.label, slot.help, is_changed, |ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if let Some(ms) = cost_ms {
+                let (rect, response) = ui.allocate_exact_size(vec2(46.0, theme::ROW), Sense::hover());
+                let font = egui::TextStyle::Small.resolve(ui.style());
+                ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, milliseconds(ms), font, theme::TEXT_WEAK);
+                response.on_hover_text("GPU time of its passes in the last frame");
+            }
+            if is_switch {
+                let mut is_on = index == 0;
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    if switch(ui, &mut is_on).changed() {
+                        chosen = usize::from(!is_on);
+                    }
+                });
+            } else {
+                let width = ui.available_width();
+                egui::ComboBox::from_id_salt(slot.key)
+                    .width(width)
+                    .selected_text(infos[index].label)
+                    .truncate()
+                    .show_ui(ui, |ui| {
+                        for (i, info) in infos.iter().enumerate() {
+                            ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
+                        }
+                    })
+                    .response
+                    .on_hover_text(infos[index].help);
+            }
+        });
+    });
+    if is_reset {
+        chosen = default.choice.index();
+    }
+    if chosen != index {
+        slot.choice.set_index(chosen);
+        change = Some(Change::once(format!("{}: {}", slot.label, infos[chosen].label)));
+    }
+    let name = infos[slot.choice.index()].name;
+    let defaults: Vec<String> = default.params.iter().map(|param| param.value.to_text()).collect();
+    ui.indent(slot.key, |ui| {
+        for (i, one) in slot.params.iter_mut().enumerate() {
+            if one.of.is_empty() || one.of.contains(&name) {
+                change = param(ui, one, defaults.get(i).map(String::as_str)).or(change.take());
+            }
+        }
+    });
+    change
+}
+
+/// A switch that slides.
+pub fn switch(ui: &mut Ui, is_on: &mut bool) -> Response {
+    let (rect, mut response) = ui.allocate_exact_size(vec2(30.0, 16.0), Sense::click());
+    if response.clicked() {
+        *is_on = !*is_on;
+        response.mark_changed();
+    }
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::CheckBox, true, *is_on, ""));
+    let share = ui.ctx().animate_bool_responsive(response.id, *is_on);
+    let track = if *is_on { theme::ACCENT } else { theme::CONTROL };
+    ui.painter().rect_filled(rect, 8.0, track);
+    let x = egui::lerp(rect.left() + 8.0..=rect.right() - 8.0, share);
+    let knob = if response.hovered() { Color32::WHITE } else { Color32::from_gray(225) };
+    ui.painter().circle_filled(egui::pos2(x, rect.center().y), 5.5, knob);
+    response
+}
+
+/// A heading within a panel, with a line under it.
+pub fn section(ui: &mut Ui, title: &str) {
+    ui.add_space(6.0);
+    ui.label(RichText::new(title).strong().color(theme::TEXT_STRONG));
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().hline(rect.x_range(), rect.top() - 1.0, egui::Stroke::new(1.0, theme::LINE));
+    ui.add_space(4.0);
+}
+
+/// A time as people read it: `0.42 ms`, `12.3 ms`, `1.40 s`.
+pub fn milliseconds(ms: f32) -> String {
+    match ms {
+        ms if ms >= 1000.0 => format!("{:.2} s", ms / 1000.0),
+        ms if ms >= 100.0 => format!("{ms:.0} ms"),
+        ms if ms >= 10.0 => format!("{ms:.1} ms"),
+        ms => format!("{ms:.2} ms"),
+    }
+}
+
+/// A count with thin spaces between thousands.
+pub fn thousands(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_by_thousands() {
+        assert_eq!(thousands(3), "3");
+        assert_eq!(thousands(100_000), "100\u{202f}000");
+        assert_eq!(thousands(3_200_000), "3\u{202f}200\u{202f}000");
+    }
+}

@@ -1,0 +1,150 @@
+//! What every command does: one match over all of them.
+
+use std::path::Path;
+
+use lorelei_core::edit::Edit;
+use lorelei_core::history::Merge;
+use lorelei_core::look::Shadowing;
+use lorelei_core::motion::{HeadPose, Motion};
+
+use super::commands::Command;
+use super::files::choose::Purpose;
+use super::files::jobs;
+use super::{Next, Palette, Question, Studio, layout, panels};
+
+impl Studio {
+    pub(super) fn run(&mut self, ctx: &egui::Context, command: Command) {
+        if !self.is_enabled(command) {
+            return;
+        }
+        match command {
+            Command::New => self.ask_or_go_on(ctx, Next::New),
+            Command::Open => self.ask_or_go_on(ctx, Next::AskForFile),
+            Command::Save => self.save(ctx),
+            Command::SaveAs => self.choose(ctx, Purpose::SaveAs),
+            Command::ImportHair => self.choose(ctx, Purpose::ImportHair),
+            Command::ImportHead => self.choose(ctx, Purpose::ImportHead),
+            Command::Export => self.choose(ctx, Purpose::Export),
+            Command::SavePicture => self.choose(ctx, Purpose::SavePicture),
+            Command::Quit => self.ask_or_go_on(ctx, Next::Close),
+            Command::Undo => {
+                self.desk.document.undo();
+                self.desk.measure();
+            }
+            Command::Redo => {
+                self.desk.document.redo();
+                self.desk.measure();
+            }
+            Command::Frame => self.desk.frame_all(self.viewport.aspect()),
+            Command::Front => self.view(0.0, 5.0),
+            Command::Back => self.view(180.0, 5.0),
+            Command::Right => self.view(90.0, 5.0),
+            Command::Left => self.view(-90.0, 5.0),
+            Command::Top => self.view(0.0, 89.0),
+            Command::ThreeQuarter => self.view(35.0, 5.0),
+            Command::ToggleGizmos => self.desk.show_handles = !self.desk.show_handles,
+            Command::ResetLayout => self.desk.settings.layout = layout::default_layout(),
+            Command::Fullscreen => {
+                let is_full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
+                ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
+            }
+            Command::Play => self.desk.playback.is_playing = !self.desk.playback.is_playing,
+            Command::Step => {
+                self.desk.playback.is_playing = false;
+                self.desk.playback.n_steps += 1;
+            }
+            Command::Reset => {
+                let playback = &mut self.desk.playback;
+                playback.is_playing = false;
+                playback.head_pose = HeadPose::default();
+                playback.n_resets += 1;
+            }
+            Command::MoveHead => self.grab(false),
+            Command::TurnHead => self.grab(true),
+            Command::MotionNone => self.motion(Motion::None),
+            Command::MotionTurn => self.motion(Motion::Turn),
+            Command::MotionNod => self.motion(Motion::Nod),
+            Command::MotionShake => self.motion(Motion::Shake),
+            Command::ToggleShadows => self.toggle_shadows(),
+            Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
+                panels::properties::layer_command(&mut self.desk, command);
+                self.desk.measure();
+            }
+            Command::Palette => {
+                self.palette = if self.palette.is_some() { None } else { Some(Palette::default()) };
+            }
+            Command::Shortcuts => self.shows_shortcuts = !self.shows_shortcuts,
+        }
+    }
+
+    fn view(&mut self, azimuth_deg: f32, elevation_deg: f32) {
+        self.desk.camera.azimuth_deg = azimuth_deg;
+        self.desk.camera.elevation_deg = elevation_deg;
+    }
+
+    fn motion(&mut self, motion: Motion) {
+        self.desk.playback.motion = motion;
+        self.desk.playback.is_playing |= motion != Motion::None;
+    }
+
+    fn toggle_shadows(&mut self) {
+        let mut look = self.desk.document.groom.look.clone();
+        let label = if look.shadowing == Shadowing::Off {
+            look.shadowing = self.last_shadowing;
+            "Shadows on"
+        } else {
+            self.last_shadowing = look.shadowing;
+            look.shadowing = Shadowing::Off;
+            "Shadows off"
+        };
+        self.desk.document.edit(label, Edit::SetLook(Box::new(look)), Merge::New);
+    }
+
+    /// Save to the document's file, or ask for one.
+    pub(super) fn save(&mut self, ctx: &egui::Context) {
+        match self.desk.document.path.clone() {
+            Some(path) => self.save_to(ctx, path),
+            None => self.choose(ctx, Purpose::SaveAs),
+        }
+    }
+
+    pub(super) fn save_to(&mut self, ctx: &egui::Context, path: std::path::PathBuf) {
+        let groom = self.desk.document.groom.clone();
+        let state = self.desk.document.state();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save(&groom, state, &path));
+    }
+
+    /// Go on at once where nothing would be lost, else ask first.
+    pub(super) fn ask_or_go_on(&mut self, ctx: &egui::Context, next: Next) {
+        if self.desk.document.is_unsaved() {
+            self.question = Some(Question::Unsaved(next));
+        } else {
+            self.go_on(ctx, next);
+        }
+    }
+
+    pub(super) fn go_on(&mut self, ctx: &egui::Context, next: Next) {
+        match next {
+            Next::Close => {
+                self.may_close = true;
+                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+            }
+            Next::New => self.start_default(ctx),
+            Next::AskForFile => self.choose(ctx, Purpose::Open),
+            Next::Open(path) => self.start_opening(ctx, &path, None),
+        }
+    }
+
+    /// A file that was dropped, chosen, or is a recent one. A head is added; anything else replaces the
+    /// document, so unsaved changes are asked about.
+    pub(super) fn open_or_ask(&mut self, ctx: &egui::Context, path: &Path) {
+        let is_mesh =
+            lorelei_core::io::detect(path).is_ok_and(|format| format.contents() == lorelei_core::io::Contents::Mesh);
+        if is_mesh {
+            self.start_opening(ctx, path, None);
+        } else {
+            self.ask_or_go_on(ctx, Next::Open(path.to_owned()));
+        }
+    }
+}

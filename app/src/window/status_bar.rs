@@ -1,0 +1,34 @@
+//! The line at the bottom: what runs, what the pointer can do, and how quick frames are.
+
+use egui::{RichText, Ui};
+
+use super::panels::widgets::{milliseconds, thousands};
+use super::{Studio, theme};
+
+pub fn ui(ui: &mut Ui, studio: &mut Studio) {
+    let frame = egui::Frame::new().fill(theme::HEADER).inner_margin(egui::Margin::symmetric(10, 3));
+    egui::Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let report = &studio.desk.report;
+            if studio.jobs.running.is_empty() {
+                let hint = "Middle drag: orbit    Shift: pan    Wheel: zoom    F: frame    Space: play    F3: commands    F1: shortcuts";
+                ui.label(RichText::new(hint).small().color(theme::TEXT_WEAK));
+            } else {
+                studio.jobs.ui(ui);
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let weak = |text: String| RichText::new(text).small().color(theme::TEXT_WEAK);
+                ui.label(weak(report.adapter.clone()));
+                ui.separator();
+                ui.label(weak(format!("frame {}", milliseconds(report.frame_ms))));
+                ui.separator();
+                ui.label(weak(format!("{} strands", thousands(report.n_strands))));
+                if let Some(busy) = report.busy {
+                    ui.separator();
+                    ui.label(RichText::new(format!("{busy}\u{2026}")).small().color(theme::ACCENT));
+                    ui.add(egui::Spinner::new().size(12.0));
+                }
+            });
+        });
+    });
+}

@@ -1,0 +1,90 @@
+//! The menus, made from the table of commands, and the transport.
+
+use egui::{RichText, Ui, vec2};
+
+use super::commands::{COMMANDS, Command};
+use super::{Next, Studio, theme};
+
+pub fn ui(ui: &mut Ui, studio: &mut Studio) {
+    let frame = egui::Frame::new().fill(theme::HEADER).inner_margin(egui::Margin::symmetric(8, 3));
+    egui::Panel::top("menus").frame(frame).show_separator_line(false).show(ui, |ui| {
+        egui::MenuBar::new().ui(ui, |ui| {
+            ui.label(RichText::new("Lorelei").strong().color(theme::ACCENT));
+            ui.add_space(8.0);
+            for group in ["File", "Edit", "View", "Movement", "Help"] {
+                ui.menu_button(group, |ui| {
+                    ui.set_min_width(230.0);
+                    menu(ui, studio, group);
+                });
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| transport(ui, studio));
+        });
+    });
+}
+
+fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
+    for row in COMMANDS.iter().filter(|row| row.group == group || (group == "Edit" && row.group == "Look")) {
+        if matches!(row.command, Command::Quit) {
+            ui.separator();
+        }
+        let mut button = egui::Button::new(row.label).frame(false);
+        if let Some(shortcut) = row.shortcuts.first() {
+            button = button.shortcut_text(ui.ctx().format_shortcut(shortcut));
+        }
+        let response = ui.add_enabled(studio.is_enabled(row.command), button).on_hover_text(row.help);
+        if response.clicked() {
+            studio.desk.asked.push(row.command);
+            ui.close();
+        }
+        if matches!(row.command, Command::Open) {
+            recent(ui, studio);
+        }
+    }
+    if group == "File" {
+        ui.separator();
+        ui.checkbox(&mut studio.desk.settings.use_system_dialogs, "System file dialogs")
+            .on_hover_text("Where a desktop portal answers; off: always the studio's own");
+    }
+}
+
+fn recent(ui: &mut Ui, studio: &mut Studio) {
+    let files = studio.desk.settings.recent.clone();
+    let mut opened = None;
+    ui.add_enabled_ui(!files.is_empty(), |ui| {
+        ui.menu_button("Open recent", |ui| {
+            for path in &files {
+                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                    opened = Some(path.clone());
+                    ui.close();
+                }
+            }
+        });
+    });
+    if let Some(path) = opened {
+        let ctx = ui.ctx().clone();
+        if path.exists() {
+            studio.ask_or_go_on(&ctx, Next::Open(path));
+        } else {
+            studio.desk.notices.error("The file is gone", path.display());
+            studio.desk.settings.recent.retain(|kept| *kept != path);
+        }
+    }
+}
+
+fn transport(ui: &mut Ui, studio: &mut Studio) {
+    let is_playing = studio.desk.playback.is_playing;
+    for (name, command, is_on) in [
+        ("Reset", Command::Reset, false),
+        ("Step", Command::Step, false),
+        (if is_playing { "Pause" } else { "Play" }, Command::Play, is_playing),
+    ] {
+        let fill = if is_on { theme::ACCENT_DIM } else { theme::CONTROL };
+        let button = egui::Button::new(RichText::new(name).color(theme::TEXT_STRONG)).fill(fill);
+        let shortcut = command.row().shortcuts.first().map(|s| ui.ctx().format_shortcut(s)).unwrap_or_default();
+        let response = ui.add(button.min_size(vec2(52.0, 22.0)));
+        if response.on_hover_text(format!("{} ({shortcut})", command.row().help)).clicked() {
+            studio.desk.asked.push(command);
+        }
+    }
+}
