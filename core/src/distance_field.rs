@@ -14,7 +14,7 @@ use crate::mesh::TriMesh;
 use crate::mesh_query::{MeshQuery, MeshQueryError};
 
 /// Nodes along the longest side that collisions use: half a centimetre a cell on a head with shoulders.
-pub const COLLISION_RESOLUTION: u32 = 96;
+pub const COLLISION_RESOLUTION: u32 = 80;
 /// Empty cells around the mesh, so that the gradient exists on both sides of the surface.
 const PADDING_CELLS: u32 = 3;
 
