@@ -290,6 +290,12 @@ impl Renderer {
         })
     }
 
+    /// Take in the GPU times that have come back. [`Renderer::render`] does it too; call it after a submission and again
+    /// after waiting for it, where the times of that very frame are wanted.
+    pub fn collect_times(&mut self) {
+        self.profile.collect(&self.gpu);
+    }
+
     /// GPU milliseconds of each pass, of the latest frame whose times have come back. Empty where the GPU has no
     /// timestamps.
     pub fn pass_times(&self) -> Vec<(String, f64)> {

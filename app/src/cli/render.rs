@@ -14,7 +14,19 @@ use serde_json::json;
 use super::{CliError, print_line, set, setup};
 use crate::stage::{Playback, Stage, bounds_of};
 
+const AFTER_HELP: &str = r#"A set-up file (--setup), either part may be left out:
+  (
+    camera: Some((target: (0, 165, 0), azimuth_deg: 35, elevation_deg: 5, distance: 85, fov_y_deg: 24)),
+    lights: Some([
+      (name: "key", kind: Directional(azimuth_deg: 40, elevation_deg: 40), intensity: 2.6),
+      (name: "lamp", kind: Point(position: (80, 200, 90)), colour: (1, 0.9, 0.8), intensity: 1.5),
+      (name: "panel", kind: Rect(position: (0, 190, -120), target: (0, 165, 0), size: 40), intensity: 2),
+    ]),
+  )
+Centimetres, Y up, +Z front, colours linear."#;
+
 #[derive(Debug, clap::Args)]
+#[command(after_long_help = AFTER_HELP)]
 pub struct RenderArguments {
     /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply. Without it: the default groom.
     file: Option<PathBuf>,
@@ -288,6 +300,14 @@ fn pass_medians(frames: &[Vec<(String, f32)>]) -> Vec<(String, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_set_up_in_the_help_is_one() {
+        let start = AFTER_HELP.find("  (").unwrap();
+        let end = AFTER_HELP.rfind(')').unwrap();
+        let setup = setup::parse(&AFTER_HELP[start..=end]).unwrap();
+        assert_eq!(setup.lights.map(|lights| lights.len()), Some(3));
+    }
 
     #[test]
     fn sizes_and_views_are_read_and_nonsense_is_refused() {

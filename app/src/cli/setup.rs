@@ -28,11 +28,14 @@ pub struct Setup {
 pub fn read(path: &Path) -> Result<Setup, CliError> {
     let text = std::fs::read_to_string(path).map_err(|why| CliError::Failed(format!("{}: {why}", path.display())))?;
     parse(&text).map_err(|why| {
-        CliError::Failed(format!("{}: {why}\nA set-up holds `camera` and `lights`: see docs/setups", path.display()))
+        CliError::Failed(format!(
+            "{}: {why}\n`lorelei render --help` shows what a set-up file looks like",
+            path.display()
+        ))
     })
 }
 
-fn parse(text: &str) -> Result<Setup, ron::error::SpannedError> {
+pub(super) fn parse(text: &str) -> Result<Setup, ron::error::SpannedError> {
     ron::from_str(text)
 }
 

@@ -177,7 +177,9 @@ impl Stage {
         self.renderer.render(&mut encoder, &input)?;
         copy_to_shown(&self.gpu, &mut self.shown, self.renderer.output(), &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);
+        self.renderer.collect_times();
         self.gpu.wait()?;
+        self.renderer.collect_times();
         Ok(())
     }
 
@@ -292,9 +294,16 @@ pub fn default_groom() -> Groom {
     Groom { head: Some(head), ..Groom::default() }
 }
 
-/// The box around head and hair at rest; a box of a head's size where there is nothing.
+/// Below the neck's joint, a bust is no part of the portrait, centimetres.
+const BELOW_NECK: f32 = 8.0;
+
+/// The box around hair and head at rest, without what a bust has below the neck; a box of a head's size
+/// where there is nothing.
 pub fn bounds_of(groom: &Groom) -> (Vec3, Vec3) {
-    let mut all: Option<(Vec3, Vec3)> = groom.head.as_ref().and_then(|head| head.mesh.bounds());
+    let lowest = neck_of(groom).y - BELOW_NECK;
+    let above = groom.head.iter().flat_map(|head| head.mesh.positions.iter().filter(|p| p.y >= lowest));
+    let mut all =
+        above.fold(None, |all: Option<(Vec3, Vec3)>, &p| Some(all.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p)))));
     let mut add = |(min, max): (Vec3, Vec3)| {
         all = Some(all.map_or((min, max), |(lo, hi)| (lo.min(min), hi.max(max))));
     };
