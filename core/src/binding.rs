@@ -49,6 +49,8 @@ pub struct LayerBinding {
 
 /// Root layers farther from the head than this were not meant to lie on it, in centimetres.
 const FARTHEST_ROOT: f32 = 2.0;
+/// Most strands of a layer; a document that asks for more gets these.
+pub const MOST_STRANDS: u32 = 4_000_000;
 /// Most places of a sequence that are looked at for painted density, for each strand wanted: a map that
 /// is nearly empty gives fewer strands than asked for.
 const MOST_PLACES_A_STRAND: usize = 100;
@@ -280,7 +282,7 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
         })
     };
     let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
-    let scattered = scatter(&surface, layer.n_strands as usize, layer.seed, density, place);
+    let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
     let weights: Vec<Vec<f32>> =
         scattered.par_iter().map(|(_, root, _)| mean_value_weights(&corners_of(root), root.position)).collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
@@ -354,7 +356,7 @@ fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> L
         near_guide(root.position).then(|| scalp.at(root.face, root.barycentric, root.position))
     };
     let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
-    let scattered = scatter(&surface, layer.n_strands as usize, layer.seed, density, place);
+    let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
     let influences: Vec<[Influence; 3]> =
         scattered.par_iter().map(|(_, root, _)| three_guides(&guides, &roots, &grid, root.position)).collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());

@@ -317,6 +317,11 @@ mod tests {
         generator.set_groom(&gpu, &groom).unwrap();
         make(&gpu, &mut generator, &StrandPose { world_from_head: Affine3A::IDENTITY, guides: &[], lod: 1.0 });
         assert_eq!(generator.strands().layers.len(), 1);
+        let mut broken = falling_hair();
+        broken.layers[1].faces.pop();
+        groom.layers[0].source = Source::HairMesh(Arc::new(broken));
+        let warnings = generator.set_groom(&gpu, &groom).unwrap();
+        assert!(warnings.len() == 1 && warnings[0].contains("layer 1"), "{warnings:?}");
         generator.set_groom(&gpu, &Groom::default()).unwrap();
         assert_eq!(generator.strands().n_strands, 0);
     }

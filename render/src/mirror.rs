@@ -23,9 +23,9 @@ pub enum MirrorError {
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error(
-        "the guides of layer {layer} need {needed} MiB and the GPU binds {available} MiB at once: import fewer strands or fewer points each"
+        "{what} of layer {layer} need {needed} MiB and this GPU binds {available} MiB at once: use fewer strands, or fewer points each"
     )]
-    TooManyGuides { layer: String, needed: u64, available: u64 },
+    TooLarge { layer: String, what: &'static str, needed: u64, available: u64 },
 }
 
 /// The strands of a layer in the shared buffers. Strand `s` has the vertices from
@@ -156,12 +156,16 @@ impl Mirror {
             let known = old
                 .iter_mut()
                 .find(|known| same_head && known.as_ref().is_some_and(|known| binds_alike(&known.layer, layer)));
-            let mirror = match known.and_then(Option::take) {
-                Some(mut known) => {
-                    known.restyle(gpu, layer);
-                    known
+            let mirror = if let Some(mut known) = known.and_then(Option::take) {
+                known.restyle(gpu, layer);
+                known
+            } else {
+                if let Source::HairMesh(mesh) = &layer.source
+                    && let Err(error) = mesh.check()
+                {
+                    warnings.push(format!("{} has no hair: {error}", layer.name));
                 }
-                None => LayerMirror::new(gpu, layer, head.as_ref())?,
+                LayerMirror::new(gpu, layer, head.as_ref())?
             };
             self.layers.push(mirror);
         }
@@ -269,10 +273,16 @@ impl LayerMirror {
     fn new(gpu: &Gpu, layer: &Layer, head: Option<&Head>) -> Result<Self, MirrorError> {
         let binding = bind_layer(layer, head);
         let available = gpu.max_storage_binding();
-        let needed = 16 * binding.guides.positions.len() as u64;
-        if needed > available {
-            let (needed, available) = (needed >> 20, available >> 20);
-            return Err(MirrorError::TooManyGuides { layer: layer.name.clone(), needed, available });
+        for (what, needed) in [
+            ("The guides", 16 * binding.guides.positions.len()),
+            ("The roots", size_of::<GpuStrand>() * binding.n_strands()),
+            ("The weights", size_of_val(binding.influences.as_slice())),
+            ("The clumps", size_of_val(binding.clumps.middles.as_slice())),
+        ] {
+            if needed as u64 > available {
+                let (needed, available) = (needed as u64 >> 20, available >> 20);
+                return Err(MirrorError::TooLarge { layer: layer.name.clone(), what, needed, available });
+            }
         }
         let guides: Vec<[f32; 4]> = binding.guides.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
         let strands: Vec<GpuStrand> = (0..binding.n_strands())
