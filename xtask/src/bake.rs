@@ -5,6 +5,7 @@
 
 mod glb;
 mod hairline;
+mod hairstyle;
 mod head;
 mod mannequin;
 mod mesher;
@@ -22,7 +23,13 @@ pub fn bake(_args: &[String]) -> Result<(), String> {
     for group in &head.groups {
         println!("  {}: {} triangles", group.name, group.triangles.len());
     }
-    write(&assets.join("head.glb"), &glb::to_glb(&head, "mannequin"))
+    write(&assets.join("head.glb"), &glb::to_glb(&head, "mannequin"))?;
+    for (key, groom) in hairstyle::all(&head)? {
+        let path = assets.join("hairstyles").join(format!("{key}.lorelei"));
+        lorelei_core::document::save(&groom, &path).map_err(|error| error.to_string())?;
+        println!("wrote {}", path.display());
+    }
+    Ok(())
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {

@@ -226,14 +226,14 @@ impl Mannequin {
         // The upper lid lies over the lower one along the lash line.
         let q = p - EYE;
         let lash_y = -0.66 + 0.24 * q.x * q.x + 0.1 * q.x;
-        let upper = meet(ball - 0.09, lash_y - q.y, 0.10);
+        let upper = meet(ball - 0.08, lash_y - q.y, 0.18);
         let upper = meet(upper, q.x.abs() - 1.5, 0.4);
-        d = join(d, upper, 0.14);
+        d = join(d, upper, 0.2);
         // Grooves press the skin in along curves seen from the front: they cannot undercut it.
         let flat = vec3(p.x, p.y, 0.0);
-        let lash = smoothstep(0.07, -0.07, tube(flat, &self.lash_line));
+        let lash = smoothstep(0.11, -0.09, tube(flat, &self.lash_line));
         let crease = smoothstep(0.14, -0.08, tube(flat, &self.lid_crease));
-        d + 0.10 * lash + 0.09 * crease
+        d + 0.09 * lash + 0.08 * crease
     }
 
     fn nose(&self, p: Vec3, d: f32) -> f32 {
@@ -282,7 +282,7 @@ impl Mannequin {
         // The hollow over the breast bone.
         d = carve(d, ellipsoid(p, vec3(0.0, -18.2, 0.75), vec3(0.9, 0.9, 0.6)), 1.4);
         let cut = (p.x - SHOULDER_CUT).max(BASE - p.y);
-        meet(d, cut, 0.7)
+        meet(d, cut, 1.8)
     }
 
     /// The muscle from behind the ear to the breast bone, and the larynx.

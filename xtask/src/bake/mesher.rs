@@ -32,13 +32,17 @@ const DEAD: [u32; 3] = [u32::MAX; 3];
 fn edge_length(mannequin: &Mannequin, p: Vec3) -> f32 {
     let q = vec3(p.x.abs(), p.y, p.z);
     let near = |centre: Vec3, r: f32| smoothstep(r, 0.55 * r, (q - centre).length());
-    let body = 0.75 + 0.75 * smoothstep(-13.0, -19.0, p.y) + 0.6 * smoothstep(-24.0, -25.9, p.y);
+    let body = 0.75 + 0.55 * smoothstep(-13.0, -18.0, p.y);
+    // The rim of the cut is tighter than the rest of the shoulders.
+    let rim = smoothstep(17.0, 18.5, q.x).max(smoothstep(-23.5, -25.0, p.y));
+    let body = body + (0.7 - body) * rim;
     let face = near(vec3(0.0, -3.0, 8.0), 10.5);
     let features =
         near(vec3(3.2, -0.2, 7.6), 2.6).max(near(vec3(0.0, -3.6, 10.0), 2.4)).max(near(vec3(0.0, -6.7, 9.0), 3.6));
     let ear = smoothstep(0.7, 0.2, mannequin.ear_distance(p));
     let length = body + (0.36 - body) * face;
     let length = length + (0.2 - length) * features;
+    let length = length + (0.15 - length) * near(vec3(3.2, -0.3, 7.8), 2.1);
     length + (0.24 - length) * ear
 }
 

@@ -1,0 +1,183 @@
+//! The embedded hairstyles: hair meshes authored by code on the baked head.
+//!
+//! Each style is the same grid of root faces with its own rules for how a path grows from each corner;
+//! `roots.rs` lays the grid out, one file a style says the rest. A style is three or four layers: the hair
+//! itself, fly-aways that ignore its locks, and fine baby hairs along the hairline.
+
+mod bob;
+mod curls;
+mod long;
+mod roots;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::Vec3;
+use lorelei_core::distance_field::DistanceField;
+use lorelei_core::groom::{Groom, Layer, ScalpMap, Source};
+use lorelei_core::grow::{Growth, grow};
+use lorelei_core::hair_mesh::HairMesh;
+use lorelei_core::mesh::TriMesh;
+use lorelei_core::style::{StyleKind, StyleOp};
+
+use super::sdf;
+use roots::{Root, RootGrid, ScalpChart};
+
+/// Strands of a whole style.
+const N_STRANDS: u32 = 100_000;
+const N_FLY_AWAYS: u32 = 1_400;
+const N_BABY_HAIRS: u32 = 2_600;
+
+/// What styles are authored on.
+struct Studio {
+    chart: ScalpChart,
+    body: DistanceField,
+    hair: Arc<ScalpMap>,
+    baby: Arc<ScalpMap>,
+}
+
+/// All styles as (key, groom without its head).
+pub fn all(head: &TriMesh) -> Result<Vec<(&'static str, Groom)>, String> {
+    let chart = ScalpChart::new(head).ok_or("the head has no scalp")?;
+    let body = DistanceField::from_mesh(head, 112).map_err(|error| error.to_string())?;
+    let (hair, baby) = (Arc::new(chart.hair_density()), Arc::new(chart.baby_density()));
+    let studio = Studio { chart, body, hair, baby };
+    Ok(vec![("long", long::groom(&studio)?), ("bob", bob::groom(&studio)?), ("curls", curls::groom(&studio)?)])
+}
+
+impl Studio {
+    /// A hair mesh from a rule that says how each corner's path grows, and what becomes of it then.
+    fn hair_mesh(
+        &self,
+        grid: &RootGrid,
+        layers_at: &[f32],
+        rule: impl Fn(&Root) -> (Vec3, Growth),
+        after: impl Fn(&Root, &mut Vec<Vec3>),
+    ) -> Result<HairMesh, String> {
+        let mut paths: Vec<Vec<Vec3>> = grid
+            .roots
+            .iter()
+            .map(|root| {
+                let (flow, growth) = rule(root);
+                let mut path = grow(&self.body, root.position, root.normal, flow, &growth);
+                after(root, &mut path);
+                path
+            })
+            .collect();
+        let faces = part_at_shoulders(&mut paths, &grid.faces);
+        HairMesh::from_paths(&paths, &faces, layers_at).map_err(|error| error.to_string())
+    }
+
+    /// Keep a path out of the body: no point nearer than `clearance`, which is reached over 3 cm.
+    fn clear(&self, path: &mut [Vec3], clearance: f32) {
+        let mut length = 0.0;
+        for k in 1..path.len() {
+            length += path[k].distance(path[k - 1]);
+            let wanted = clearance * (length / 3.0).min(1.0);
+            for _ in 0..3 {
+                let distance = self.body.sample(path[k]);
+                if distance < wanted {
+                    let out = self.body.gradient(path[k]).normalize_or(Vec3::Y);
+                    path[k] += (wanted - distance) * out;
+                }
+            }
+        }
+    }
+
+    fn main_layer(&self, mesh: HairMesh) -> Layer {
+        Layer {
+            n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
+            density: Some(Arc::clone(&self.hair)),
+            seed: 1,
+            ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
+        }
+    }
+
+    /// Hairs that left their locks: the main layer's paths, each its own way.
+    fn fly_aways(&self, main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
+        let mut style = vec![
+            op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
+            op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),
+            StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.35 }) },
+        ];
+        style.extend(extra);
+        Layer {
+            name: "Fly-aways".to_owned(),
+            n_strands: N_FLY_AWAYS,
+            seed: 2,
+            radius_um: 0.85 * main.radius_um,
+            style,
+            ..main.clone()
+        }
+    }
+
+    /// Short fine hairs along the hairline, lying along the flow.
+    fn baby_hairs(&self, grid: &RootGrid, main: &Layer, length: f32) -> Result<Layer, String> {
+        let growth = Growth { length, lift: 0.22, fall: 0.02, weight: 0.0, clearance: 0.12, clear_over: 1.0 };
+        let mesh = self.hair_mesh(
+            grid,
+            &[0.35, 0.7, 1.0],
+            |root| (root.flow, Growth { length: length * (0.8 + 0.4 * root.along), ..growth }),
+            |_, _| {},
+        )?;
+        Ok(Layer {
+            name: "Baby hairs".to_owned(),
+            source: Source::HairMesh(Arc::new(mesh)),
+            n_strands: N_BABY_HAIRS,
+            vertices_per_strand: 10,
+            seed: 3,
+            radius_um: 0.55 * main.radius_um,
+            tip_radius: 0.2,
+            density: Some(Arc::clone(&self.baby)),
+            style: vec![
+                op(StyleKind::Length { variation: 0.7, strands_per_clump: 1.0 }),
+                op(StyleKind::Clump { strands_per_clump: 12.0, flare: 0.2, stray: 0.6 }),
+                op(StyleKind::Frizz { amplitude: 0.16, wavelength: 1.6, strands_per_clump: 1.0 }),
+                op(StyleKind::Deviate { share: 0.5, amplitude: 0.7, lift: 0.2 }),
+            ],
+            ..main.clone()
+        })
+    }
+}
+
+/// On which side of the shoulder a path hangs; `None` where it ends above.
+fn before_shoulder(path: &[Vec3]) -> Option<bool> {
+    // The ridge of the shoulders is at z = -5.6, about 18.5 cm under the eyes.
+    path.last().filter(|tip| tip.y < -18.0).map(|tip| tip.z > -5.6)
+}
+
+/// Strands are blended from their face's corners: where some hang before the shoulder and some behind it,
+/// they would run through it. There the face's corners all go one way: those that do not get a second
+/// path, their neighbour's from their own root.
+fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let side: Vec<Option<bool>> = paths.iter().map(|path| before_shoulder(path)).collect();
+    let mut second: HashMap<u32, u32> = HashMap::new();
+    let mut parted = faces.to_vec();
+    for (face, parted) in faces.iter().zip(&mut parted) {
+        // Corners are (row, row + 1) of one column, then (row + 1, row) of the next.
+        let Some(way) = face.iter().find_map(|&v| side[v as usize]) else { continue };
+        let goes = |i: usize| side[face[i] as usize].is_none_or(|s| s == way);
+        let Some(leader) = (0..4).find(|&i| side[face[i] as usize] == Some(way)) else { continue };
+        for i in (0..4).filter(|&i| !goes(i)) {
+            let beside = 3 - i;
+            let model = face[if goes(beside) { beside } else { leader }] as usize;
+            parted[i] = *second.entry(face[i]).or_insert_with(|| {
+                let shift = paths[face[i] as usize][0] - paths[model][0];
+                let n = paths[model].len() as f32 - 1.0;
+                let left = |k: usize| 1.0 - 0.75 * sdf::smoothstep(0.0, 0.7, k as f32 / n);
+                let path = paths[model].iter().enumerate().map(|(k, &p)| p + shift * left(k)).collect();
+                paths.push(path);
+                paths.len() as u32 - 1
+            });
+        }
+    }
+    parted
+}
+
+fn op(kind: StyleKind) -> StyleOp {
+    StyleOp::new(kind)
+}
+
+fn lerp(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}

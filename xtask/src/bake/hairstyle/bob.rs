@@ -1,0 +1,78 @@
+//! A wavy bob to the jaw with a side parting: fullest at the cheekbones, ends turned in.
+
+use glam::vec3;
+use lorelei_core::groom::{Groom, HairMaterial, Layer};
+use lorelei_core::grow::Growth;
+use lorelei_core::style::{StyleKind, StyleOp};
+
+use super::long::outwards;
+use super::roots::Layout;
+use super::{Studio, lerp, op};
+use crate::bake::sdf::smoothstep;
+
+const LAYERS_AT: [f32; 8] = [0.05, 0.12, 0.23, 0.37, 0.52, 0.68, 0.84, 1.0];
+
+pub fn groom(studio: &Studio) -> Result<Groom, String> {
+    let layout = Layout {
+        parting_x: 2.9,
+        crown: vec3(1.2, 9.6, -6.2),
+        parted: 0.55,
+        n_columns: 17,
+        n_rows: 6,
+        whorl: 0.6,
+        whorl_radius: 3.0,
+    };
+    let grid = studio.chart.grid(&layout);
+    let mesh = studio.hair_mesh(
+        &grid,
+        &LAYERS_AT,
+        |root| {
+            let front = smoothstep(0.42, 0.0, root.back);
+            let flow = root.flow + vec3(0.0, 0.0, -0.8) * front + vec3(0.0, -0.1, 0.0);
+            // Longer in front than at the nape, and shorter on top of it: the bob's line.
+            let end = lerp(-8.6, -10.4, smoothstep(0.9, 0.1, root.back)) + 2.2 * (1.0 - root.along);
+            let down = (root.position.y - end).max(2.5);
+            let growth = Growth {
+                length: down * 1.12 + lerp(7.0, 1.2, root.along),
+                lift: lerp(0.3, 0.18, root.along),
+                fall: 0.06,
+                weight: 0.016,
+                clearance: lerp(1.5, 0.4, root.along),
+                clear_over: lerp(5.5, 3.5, root.along),
+            };
+            (flow, growth)
+        },
+        |root, path| {
+            // Fuller at the cheekbones, ends turned in.
+            let n = path.len() as f32 - 1.0;
+            for (k, p) in path.iter_mut().enumerate() {
+                let t = k as f32 / n;
+                let belly = smoothstep(0.25, 0.6, t) * smoothstep(7.0, 0.0, (p.y + 3.0).abs());
+                let turn = smoothstep(0.72, 1.0, t);
+                *p += outwards(*p) * (0.8 * belly - 1.3 * turn * turn) * lerp(1.0, 0.5, root.along);
+            }
+            studio.clear(path, lerp(1.2, 0.4, root.along));
+        },
+    )?;
+    let main = Layer {
+        vertices_per_strand: 36,
+        radius_um: 40.0,
+        tip_radius: 0.3,
+        style: vec![
+            op(StyleKind::Length { variation: 0.12, strands_per_clump: 700.0 }),
+            op(StyleKind::Length { variation: 0.12, strands_per_clump: 1.0 }),
+            StyleOp { strength: 0.6, ramp: 0.9, ..op(StyleKind::Clump { strands_per_clump: 700.0, flare: 0.2, stray: 0.5 }) },
+            StyleOp { strength: 0.78, ramp: 0.7, ..op(StyleKind::Clump { strands_per_clump: 45.0, flare: 0.3, stray: 0.5 }) },
+            StyleOp { from: 0.08, ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.62, wavelength: 5.6, strands_per_clump: 700.0 }) },
+            StyleOp { ramp: 0.8, ..op(StyleKind::Wave { amplitude: 0.12, wavelength: 3.4, strands_per_clump: 45.0 }) },
+            op(StyleKind::Frizz { amplitude: 0.12, wavelength: 2.2, strands_per_clump: 1.0 }),
+            op(StyleKind::Deviate { share: 0.06, amplitude: 0.9, lift: 0.2 }),
+        ],
+        material: HairMaterial { eumelanin: 0.55, pheomelanin: 1.3, tip_lightening: 0.2, colour_variation: 0.2, ..HairMaterial::default() },
+        ..studio.main_layer(mesh)
+    };
+    let wave = StyleOp { from: 0.08, ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.5, wavelength: 5.6, strands_per_clump: 20.0 }) };
+    let fly_aways = studio.fly_aways(&main, 1.5, vec![wave]);
+    let baby_hairs = studio.baby_hairs(&grid, &main, 2.6)?;
+    Ok(Groom { name: "Wavy bob".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+}

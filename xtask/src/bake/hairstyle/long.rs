@@ -1,0 +1,72 @@
+//! Long straight hair with a parting a little off the middle, ends layered over a hand's breadth.
+
+use glam::{Vec3, vec3};
+use lorelei_core::groom::{Groom, HairMaterial, Layer};
+use lorelei_core::grow::Growth;
+use lorelei_core::style::{StyleKind, StyleOp};
+
+use super::roots::Layout;
+use super::{Studio, lerp, op};
+use crate::bake::sdf::smoothstep;
+
+const LAYERS_AT: [f32; 9] = [0.03, 0.08, 0.16, 0.27, 0.40, 0.54, 0.69, 0.84, 1.0];
+
+pub fn groom(studio: &Studio) -> Result<Groom, String> {
+    let layout = Layout {
+        parting_x: 1.1,
+        crown: vec3(0.9, 10.0, -5.6),
+        parted: 0.58,
+        n_columns: 17,
+        n_rows: 6,
+        whorl: 0.5,
+        whorl_radius: 2.5,
+    };
+    let grid = studio.chart.grid(&layout);
+    let mesh = studio.hair_mesh(
+        &grid,
+        &LAYERS_AT,
+        |root| {
+            let front = smoothstep(0.45, 0.0, root.back);
+            // Combed away from the face: the front goes back as well as to the side.
+            let flow = root.flow + vec3(0.0, 0.0, -0.75) * front + vec3(0.0, -0.2, 0.0);
+            // Ends hang at one height and are layered: upper rows and the front a little shorter.
+            let end = -24.5 + 3.5 * (1.0 - root.along) + 3.0 * front;
+            let down = (root.position.y - end).max(6.0);
+            let growth = Growth {
+                length: down * 1.03 + lerp(6.5, 1.0, root.along),
+                lift: lerp(0.26, 0.16, root.along),
+                fall: 0.05,
+                weight: 0.012,
+                clearance: lerp(1.15, 0.35, root.along),
+                clear_over: lerp(4.5, 3.0, root.along),
+            };
+            (flow, growth)
+        },
+        |root, path| studio.clear(path, lerp(0.9, 0.3, root.along)),
+    )?;
+    let main = Layer {
+        vertices_per_strand: 32,
+        radius_um: 38.0,
+        tip_radius: 0.3,
+        style: vec![
+            op(StyleKind::Length { variation: 0.2, strands_per_clump: 900.0 }),
+            op(StyleKind::Length { variation: 0.10, strands_per_clump: 1.0 }),
+            StyleOp { strength: 0.62, from: 0.02, ramp: 0.8, ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.25, stray: 0.5 }) },
+            StyleOp { strength: 0.75, from: 0.0, ramp: 0.7, ..op(StyleKind::Clump { strands_per_clump: 50.0, flare: 0.35, stray: 0.5 }) },
+            op(StyleKind::Wave { amplitude: 0.45, wavelength: 11.0, strands_per_clump: 900.0 }),
+            op(StyleKind::Frizz { amplitude: 0.10, wavelength: 3.0, strands_per_clump: 1.0 }),
+            op(StyleKind::Frizz { amplitude: 0.22, wavelength: 6.0, strands_per_clump: 50.0 }),
+            op(StyleKind::Deviate { share: 0.06, amplitude: 1.0, lift: 0.1 }),
+        ],
+        material: HairMaterial { eumelanin: 1.15, pheomelanin: 0.35, tip_lightening: 0.25, colour_variation: 0.2, ..HairMaterial::default() },
+        ..studio.main_layer(mesh)
+    };
+    let fly_aways = studio.fly_aways(&main, 1.8, Vec::new());
+    let baby_hairs = studio.baby_hairs(&grid, &main, 3.2)?;
+    Ok(Groom { name: "Long, straight".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+}
+
+/// Unit vector out of the axis of head and neck.
+pub fn outwards(p: Vec3) -> Vec3 {
+    vec3(p.x, 0.0, p.z + 2.5).normalize_or(Vec3::X)
+}
