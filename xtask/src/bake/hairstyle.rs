@@ -93,24 +93,6 @@ impl Studio {
         }
     }
 
-    /// Hairs that left their locks: the main layer's paths, each its own way.
-    fn fly_aways(&self, main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
-        let mut style = vec![
-            op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
-            op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),
-            StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.35 }) },
-        ];
-        style.extend(extra);
-        Layer {
-            name: "Fly-aways".to_owned(),
-            n_strands: N_FLY_AWAYS,
-            seed: 2,
-            radius_um: 0.85 * main.radius_um,
-            style,
-            ..main.clone()
-        }
-    }
-
     /// Short fine hairs along the hairline, lying along the flow.
     fn baby_hairs(&self, grid: &RootGrid, main: &Layer, length: f32) -> Result<Layer, String> {
         let growth = Growth { length, lift: 0.22, fall: 0.02, weight: 0.0, clearance: 0.12, clear_over: 1.0 };
@@ -172,6 +154,24 @@ fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<
         }
     }
     parted
+}
+
+/// Hairs that left their locks: the main layer's paths, each its own way.
+fn fly_aways(main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
+    let mut style = vec![
+        op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
+        op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),
+        StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.35 }) },
+    ];
+    style.extend(extra);
+    Layer {
+        name: "Fly-aways".to_owned(),
+        n_strands: N_FLY_AWAYS,
+        seed: 2,
+        radius_um: 0.85 * main.radius_um,
+        style,
+        ..main.clone()
+    }
 }
 
 fn op(kind: StyleKind) -> StyleOp {

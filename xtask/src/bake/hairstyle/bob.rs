@@ -7,7 +7,7 @@ use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::long::outwards;
 use super::roots::Layout;
-use super::{Studio, lerp, op};
+use super::{Studio, fly_aways, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 8] = [0.05, 0.12, 0.23, 0.37, 0.52, 0.68, 0.84, 1.0];
@@ -61,18 +61,40 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         style: vec![
             op(StyleKind::Length { variation: 0.12, strands_per_clump: 700.0 }),
             op(StyleKind::Length { variation: 0.12, strands_per_clump: 1.0 }),
-            StyleOp { strength: 0.6, ramp: 0.9, ..op(StyleKind::Clump { strands_per_clump: 700.0, flare: 0.2, stray: 0.5 }) },
-            StyleOp { strength: 0.78, ramp: 0.7, ..op(StyleKind::Clump { strands_per_clump: 45.0, flare: 0.3, stray: 0.5 }) },
-            StyleOp { from: 0.08, ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.62, wavelength: 5.6, strands_per_clump: 700.0 }) },
+            StyleOp {
+                strength: 0.6,
+                ramp: 0.9,
+                ..op(StyleKind::Clump { strands_per_clump: 700.0, flare: 0.2, stray: 0.5 })
+            },
+            StyleOp {
+                strength: 0.78,
+                ramp: 0.7,
+                ..op(StyleKind::Clump { strands_per_clump: 45.0, flare: 0.3, stray: 0.5 })
+            },
+            StyleOp {
+                from: 0.08,
+                ramp: 0.6,
+                ..op(StyleKind::Wave { amplitude: 0.62, wavelength: 5.6, strands_per_clump: 700.0 })
+            },
             StyleOp { ramp: 0.8, ..op(StyleKind::Wave { amplitude: 0.12, wavelength: 3.4, strands_per_clump: 45.0 }) },
             op(StyleKind::Frizz { amplitude: 0.12, wavelength: 2.2, strands_per_clump: 1.0 }),
             op(StyleKind::Deviate { share: 0.06, amplitude: 0.9, lift: 0.2 }),
         ],
-        material: HairMaterial { eumelanin: 0.55, pheomelanin: 1.3, tip_lightening: 0.2, colour_variation: 0.2, ..HairMaterial::default() },
+        material: HairMaterial {
+            eumelanin: 0.55,
+            pheomelanin: 1.3,
+            tip_lightening: 0.2,
+            colour_variation: 0.2,
+            ..HairMaterial::default()
+        },
         ..studio.main_layer(mesh)
     };
-    let wave = StyleOp { from: 0.08, ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.5, wavelength: 5.6, strands_per_clump: 20.0 }) };
-    let fly_aways = studio.fly_aways(&main, 1.5, vec![wave]);
+    let wave = StyleOp {
+        from: 0.08,
+        ramp: 0.6,
+        ..op(StyleKind::Wave { amplitude: 0.5, wavelength: 5.6, strands_per_clump: 20.0 })
+    };
+    let fly_aways = fly_aways(&main, 1.5, vec![wave]);
     let baby_hairs = studio.baby_hairs(&grid, &main, 2.6)?;
     Ok(Groom { name: "Wavy bob".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
 }

@@ -6,7 +6,7 @@ use lorelei_core::grow::Growth;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::roots::Layout;
-use super::{Studio, lerp, op};
+use super::{Studio, fly_aways, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 6] = [0.08, 0.2, 0.36, 0.55, 0.77, 1.0];
@@ -48,18 +48,35 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         style: vec![
             op(StyleKind::Length { variation: 0.3, strands_per_clump: 110.0 }),
             op(StyleKind::Length { variation: 0.1, strands_per_clump: 1.0 }),
-            StyleOp { strength: 0.35, ramp: 0.8, ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.6, stray: 0.5 }) },
-            StyleOp { strength: 0.94, ramp: 0.3, ..op(StyleKind::Clump { strands_per_clump: 110.0, flare: 0.15, stray: 0.35 }) },
-            StyleOp { ramp: 0.35, ..op(StyleKind::Curl { radius: 0.55, pitch: 2.1, strands_per_clump: 110.0, loosen: 0.35 }) },
+            StyleOp {
+                strength: 0.35,
+                ramp: 0.8,
+                ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.6, stray: 0.5 })
+            },
+            StyleOp {
+                strength: 0.94,
+                ramp: 0.3,
+                ..op(StyleKind::Clump { strands_per_clump: 110.0, flare: 0.15, stray: 0.35 })
+            },
+            StyleOp {
+                ramp: 0.35,
+                ..op(StyleKind::Curl { radius: 0.55, pitch: 2.1, strands_per_clump: 110.0, loosen: 0.35 })
+            },
             op(StyleKind::Frizz { amplitude: 0.5, wavelength: 5.0, strands_per_clump: 110.0 }),
             op(StyleKind::Frizz { amplitude: 0.06, wavelength: 1.6, strands_per_clump: 1.0 }),
             op(StyleKind::Deviate { share: 0.05, amplitude: 0.8, lift: 0.4 }),
         ],
-        material: HairMaterial { eumelanin: 3.0, pheomelanin: 0.3, colour_variation: 0.15, tip_lightening: 0.25, ..HairMaterial::default() },
+        material: HairMaterial {
+            eumelanin: 3.0,
+            pheomelanin: 0.3,
+            colour_variation: 0.15,
+            tip_lightening: 0.25,
+            ..HairMaterial::default()
+        },
         ..studio.main_layer(mesh)
     };
     let curl = op(StyleKind::Curl { radius: 0.4, pitch: 1.6, strands_per_clump: 1.0, loosen: 0.5 });
-    let fly_aways = studio.fly_aways(&main, 1.2, vec![curl]);
+    let fly_aways = fly_aways(&main, 1.2, vec![curl]);
     let baby_hairs = Layer { vertices_per_strand: 24, ..studio.baby_hairs(&grid, &main, 2.4)? };
     let mut baby_hairs = baby_hairs;
     baby_hairs.style.push(op(StyleKind::Curl { radius: 0.16, pitch: 0.9, strands_per_clump: 12.0, loosen: 0.3 }));

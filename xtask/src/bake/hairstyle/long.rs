@@ -6,7 +6,7 @@ use lorelei_core::grow::Growth;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::roots::Layout;
-use super::{Studio, lerp, op};
+use super::{Studio, fly_aways, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 9] = [0.03, 0.08, 0.16, 0.27, 0.40, 0.54, 0.69, 0.84, 1.0];
@@ -42,7 +42,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             };
             (flow, growth)
         },
-        |root, path| studio.clear(path, lerp(0.9, 0.3, root.along)),
+        |root, path| studio.clear(path, lerp(0.9, 0.45, root.along)),
     )?;
     let main = Layer {
         vertices_per_strand: 32,
@@ -51,17 +51,33 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         style: vec![
             op(StyleKind::Length { variation: 0.2, strands_per_clump: 900.0 }),
             op(StyleKind::Length { variation: 0.10, strands_per_clump: 1.0 }),
-            StyleOp { strength: 0.62, from: 0.02, ramp: 0.8, ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.25, stray: 0.5 }) },
-            StyleOp { strength: 0.75, from: 0.0, ramp: 0.7, ..op(StyleKind::Clump { strands_per_clump: 50.0, flare: 0.35, stray: 0.5 }) },
+            StyleOp {
+                strength: 0.62,
+                from: 0.02,
+                ramp: 0.8,
+                ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.25, stray: 0.5 })
+            },
+            StyleOp {
+                strength: 0.75,
+                from: 0.0,
+                ramp: 0.7,
+                ..op(StyleKind::Clump { strands_per_clump: 50.0, flare: 0.35, stray: 0.5 })
+            },
             op(StyleKind::Wave { amplitude: 0.45, wavelength: 11.0, strands_per_clump: 900.0 }),
             op(StyleKind::Frizz { amplitude: 0.10, wavelength: 3.0, strands_per_clump: 1.0 }),
             op(StyleKind::Frizz { amplitude: 0.22, wavelength: 6.0, strands_per_clump: 50.0 }),
             op(StyleKind::Deviate { share: 0.06, amplitude: 1.0, lift: 0.1 }),
         ],
-        material: HairMaterial { eumelanin: 1.15, pheomelanin: 0.35, tip_lightening: 0.25, colour_variation: 0.2, ..HairMaterial::default() },
+        material: HairMaterial {
+            eumelanin: 1.15,
+            pheomelanin: 0.35,
+            tip_lightening: 0.25,
+            colour_variation: 0.2,
+            ..HairMaterial::default()
+        },
         ..studio.main_layer(mesh)
     };
-    let fly_aways = studio.fly_aways(&main, 1.8, Vec::new());
+    let fly_aways = fly_aways(&main, 1.8, Vec::new());
     let baby_hairs = studio.baby_hairs(&grid, &main, 3.2)?;
     Ok(Groom { name: "Long, straight".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
 }

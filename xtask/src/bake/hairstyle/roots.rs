@@ -81,7 +81,9 @@ impl ScalpChart {
         for &(a, b) in all.iter().filter(|&&(a, b)| !all.contains(&(b, a))) {
             next.insert(a, b);
         }
-        let middle = |v: &&u32| head.positions[**v as usize].x.abs() + if head.positions[**v as usize].z > 0.0 { 0.0 } else { 99.0 };
+        let middle = |v: &&u32| {
+            head.positions[**v as usize].x.abs() + if head.positions[**v as usize].z > 0.0 { 0.0 } else { 99.0 }
+        };
         let first = *next.keys().min_by(|a, b| middle(a).total_cmp(&middle(b)).then(a.cmp(b)))?;
         let mut border = vec![(corner(first).0, corner(first).1)];
         let mut at = *next.get(&first)?;
@@ -156,7 +158,7 @@ impl ScalpChart {
         let mut roots = Vec::new();
         for column in 0..=2 * n {
             // From the parting over the left side to the nape, then back over the right side.
-            let side = if column < n { 1.0 } else if column > n { -1.0 } else { 0.0 };
+            let side = (n as f32 - column as f32).clamp(-1.0, 1.0);
             let back = 1.0 - (column as f32 - n as f32).abs() / n as f32;
             // The first column lies along the hairline itself.
             let reach = 4.5;
@@ -215,7 +217,8 @@ impl ScalpChart {
     /// Baby hairs' density: a ragged band along the hairline.
     pub fn baby_density(&self) -> ScalpMap {
         self.map(|p, inside| {
-            let band = smoothstep(1.5, 0.3, inside + 0.3 * noise(p * 1.7)) * (0.75 + 0.5 * noise(p * 2.3)).clamp(0.1, 1.0);
+            let band =
+                smoothstep(1.5, 0.3, inside + 0.3 * noise(p * 1.7)) * (0.75 + 0.5 * noise(p * 2.3)).clamp(0.1, 1.0);
             let ear = smoothstep(0.4, 0.8, (p.z + 1.7).abs() / 3.0 + if p.y > 3.4 { 1.0 } else { 0.0 });
             band * ear
         })
