@@ -18,7 +18,9 @@ pub struct SceneLight {
     /// 1: emits by the cosine to `axis`.
     pub is_flat: f32,
     pub axis: [f32; 3],
-    pad: f32,
+    /// Radius of a disc that emits as this does, for the softness of shadows: centimetres, or for a light at infinity
+    /// the tangent of its angular radius.
+    pub radius: f32,
 }
 
 /// Twin of `Scene`.
@@ -35,6 +37,11 @@ pub struct SceneUniform {
 /// maps overlap into a soft one.
 const RECT_SIDE_SAMPLES: u32 = 2;
 
+/// Angular radius (tangent) of directional lights: a studio's soft box, not the sun.
+const DIRECTIONAL_RADIUS: f32 = 0.06;
+/// Radius of point lights, centimetres.
+const POINT_RADIUS: f32 = 3.0;
+
 /// The scene's lights this frame, with whether each casts a shadow.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SceneLights {
@@ -47,28 +54,30 @@ impl SceneLights {
         let mut scene = Self::default();
         for light in lights.iter().filter(|light| light.on) {
             let e = Vec3::from_array(light.colour) * light.intensity * std::f32::consts::PI;
-            let mut push = |place: Vec3, w: f32, irradiance: Vec3, axis: Option<Vec3>| {
+            let mut push = |place: Vec3, w: f32, irradiance: Vec3, axis: Option<Vec3>, radius: f32| {
                 scene.lights.push(SceneLight {
                     place: place.extend(w).to_array(),
                     irradiance: irradiance.to_array(),
                     is_flat: if axis.is_some() { 1.0 } else { 0.0 },
                     axis: axis.unwrap_or_default().to_array(),
-                    pad: 0.0,
+                    radius,
                 });
                 scene.casts_shadow.push(light.casts_shadow);
             };
             let at_1_cm = e * INTENSITY_DISTANCE * INTENSITY_DISTANCE;
             match light.kind {
-                LightKind::Directional { .. } => push(light.direction_to(Vec3::ZERO), 0.0, e, None),
-                LightKind::Point { position } => push(position, 1.0, at_1_cm, None),
+                LightKind::Directional { .. } => push(light.direction_to(Vec3::ZERO), 0.0, e, None, DIRECTIONAL_RADIUS),
+                LightKind::Point { position } => push(position, 1.0, at_1_cm, None, POINT_RADIUS),
                 LightKind::Rect { position, target, size } => {
                     let axis = (target - position).normalize_or(Vec3::NEG_Y);
                     let (side, up) = axis.any_orthonormal_pair();
                     let n = RECT_SIDE_SAMPLES;
+                    // The disc of a sample's share of the square.
+                    let radius = size / n as f32 / std::f32::consts::PI.sqrt();
                     let at = |k: u32| ((k as f32 + 0.5) / n as f32 - 0.5) * size;
                     for k in 0..n * n {
                         let place = position + side * at(k % n) + up * at(k / n);
-                        push(place, 1.0, at_1_cm / (n * n) as f32, Some(axis));
+                        push(place, 1.0, at_1_cm / (n * n) as f32, Some(axis), radius);
                     }
                 }
             }

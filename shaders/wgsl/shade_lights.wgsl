@@ -9,7 +9,8 @@ struct SceneLight {
     // 1: emits as a flat surface, by the cosine to `axis`. 0: evenly.
     is_flat: f32,
     axis: vec3<f32>,
-    pad: f32,
+    // Of a disc that emits as this does, cm (at infinity: tangent); for the softness of shadows.
+    radius: f32,
 }
 
 struct Scene {

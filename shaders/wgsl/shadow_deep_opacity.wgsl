@@ -30,62 +30,106 @@ fn texel_depth(light_idx: u32, texel: vec2<i32>, depth: f32) -> f32 {
     return mix(upper, shadow_filtered[at + below + 1u], layer - f32(below));
 }
 
-// Optical depth of the hair between a light and a position: exp(-hair_depth) of the light comes through black fibres.
-fn hair_depth(light_idx: u32, position: vec3<f32>) -> f32 {
-    let light = shadow_lights[light_idx];
-    let place = map_place(light, position);
-    let resolution = f32(shadow_params.resolution);
-    if light.casts == 0u || place.w <= 0.0 || any(place.xy < vec2<f32>(0.0)) || any(place.xy > vec2<f32>(resolution)) {
-        return 0.0;
-    }
-    let corner = floor(place.xy - 0.5);
-    let f = place.xy - 0.5 - corner;
+// Optical depth at a place of the map, between four texels.
+fn depth_at(light_idx: u32, at: vec2<f32>, depth: f32) -> f32 {
+    let corner = floor(at - 0.5);
+    let f = at - 0.5 - corner;
     let texel = vec2<i32>(corner);
     let near_row = mix(
-        texel_depth(light_idx, texel, place.z),
-        texel_depth(light_idx, texel + vec2<i32>(1, 0), place.z),
+        texel_depth(light_idx, texel, depth),
+        texel_depth(light_idx, texel + vec2<i32>(1, 0), depth),
         f.x,
     );
     let far_row = mix(
-        texel_depth(light_idx, texel + vec2<i32>(0, 1), place.z),
-        texel_depth(light_idx, texel + vec2<i32>(1, 1), place.z),
+        texel_depth(light_idx, texel + vec2<i32>(0, 1), depth),
+        texel_depth(light_idx, texel + vec2<i32>(1, 1), depth),
         f.x,
     );
     return shadow_params.density * mix(near_row, far_row, f.y);
 }
 
-// 1 where the head does not stand between the light and a position, with `reach` texels of filter around it.
-fn head_filtered(light_idx: u32, position: vec3<f32>, reach: i32) -> f32 {
-    let light = shadow_lights[light_idx];
-    let place = map_place(light, position);
-    let resolution = i32(shadow_params.resolution);
-    if light.casts == 0u || place.w <= 0.0 || any(place.xy < vec2<f32>(0.0)) || any(place.xy > vec2<f32>(f32(resolution))) {
+// Depth of the head's front in cm at a texel.
+fn head_front(light_idx: u32, texel: vec2<i32>) -> f32 {
+    let light = &shadow_lights[light_idx];
+    let clamped = clamp(texel, vec2<i32>(0), vec2<i32>(i32(shadow_params.resolution) - 1));
+    return mix((*light).near, (*light).far, textureLoad(shadow_head, clamped, i32(light_idx), 0));
+}
+
+fn past_head(light_idx: u32, texel: vec2<i32>, depth: f32) -> f32 {
+    return 1.0 - smoothstep(HEAD_BIAS, HEAD_BIAS + HEAD_RAMP, depth - head_front(light_idx, texel));
+}
+
+// 1 where the head does not stand between the light and a place of the map, between four texels.
+fn past_head_at(light_idx: u32, at: vec2<f32>, depth: f32) -> f32 {
+    let corner = floor(at - 0.5);
+    let f = at - 0.5 - corner;
+    let texel = vec2<i32>(corner);
+    let near_row = mix(
+        past_head(light_idx, texel, depth),
+        past_head(light_idx, texel + vec2<i32>(1, 0), depth),
+        f.x,
+    );
+    let far_row = mix(
+        past_head(light_idx, texel + vec2<i32>(0, 1), depth),
+        past_head(light_idx, texel + vec2<i32>(1, 1), depth),
+        f.x,
+    );
+    return mix(near_row, far_row, f.y);
+}
+
+// Where a light casts no shadow, or has no map: behind it, or outside of what it was fitted to.
+fn is_unmapped(light_idx: u32, place: vec4<f32>) -> bool {
+    let resolution = vec2<f32>(f32(shadow_params.resolution));
+    return shadow_lights[light_idx].casts == 0u || place.w <= 0.0 || any(place.xy < vec2<f32>(0.0))
+        || any(place.xy > resolution);
+}
+
+// Optical depth of the hair between a light and a position: exp(-hair_depth) of the light comes through black fibres.
+fn hair_depth(light_idx: u32, position: vec3<f32>) -> f32 {
+    let place = map_place(shadow_lights[light_idx], position);
+    if is_unmapped(light_idx, place) {
+        return 0.0;
+    }
+    return depth_at(light_idx, place.xy, place.z);
+}
+
+// For hair: 1 where the head does not stand between a light and a position.
+fn head_visibility(light_idx: u32, position: vec3<f32>) -> f32 {
+    let place = map_place(shadow_lights[light_idx], position);
+    if is_unmapped(light_idx, place) {
         return 1.0;
     }
-    let corner = floor(place.xy - 0.5);
-    let f = place.xy - 0.5 - corner;
-    var lit = 0.0;
-    var weights = 0.0;
-    for (var y = -reach; y <= reach + 1; y++) {
-        for (var x = -reach; x <= reach + 1; x++) {
-            let texel = clamp(vec2<i32>(corner) + vec2<i32>(x, y), vec2<i32>(0), vec2<i32>(resolution - 1));
-            let front = mix(light.near, light.far, textureLoad(shadow_head, texel, i32(light_idx), 0));
-            // A tent around the position.
-            let offset = abs(vec2<f32>(f32(x), f32(y)) - f);
-            let weight = max(f32(reach) + 1.0 - offset.x, 0.0) * max(f32(reach) + 1.0 - offset.y, 0.0);
-            lit += weight * (1.0 - smoothstep(HEAD_BIAS, HEAD_BIAS + HEAD_RAMP, place.z - front));
-            weights += weight;
-        }
-    }
-    return lit / weights;
+    return past_head_at(light_idx, place.xy, place.z);
 }
 
-// For hair: many vertices, small filter.
-fn head_visibility(light_idx: u32, position: vec3<f32>) -> f32 {
-    return head_filtered(light_idx, position, 0);
-}
+const N_TAPS: u32 = 7u;
+// Texels: the narrowest and widest blur of an edge. Wider, seven taps show one by one.
+const MIN_BLUR: f32 = 1.5;
+const MAX_BLUR: f32 = 10.0;
 
-// For surfaces: the share of a light that reaches a position through hair and past the head.
+// For surfaces: the share of a light that reaches a position through hair and past the head, with edges that soften with
+// the distance to what casts the shadow, as the size of the light has it.
 fn light_visibility(light_idx: u32, position: vec3<f32>) -> f32 {
-    return exp(-hair_depth(light_idx, position)) * head_filtered(light_idx, position, 2);
+    let light = shadow_lights[light_idx];
+    let place = map_place(light, position);
+    if is_unmapped(light_idx, place) {
+        return 1.0;
+    }
+    let resolution = i32(shadow_params.resolution);
+    let texel = clamp(vec2<i32>(place.xy), vec2<i32>(0), vec2<i32>(resolution - 1));
+    let n_texels = shadow_params.resolution * shadow_params.resolution;
+    let at = (light_idx * n_texels + u32(texel.y * resolution + texel.x)) * (shadow_params.n_layers + 1u);
+    let blur_per_cm = light.softness * light.texels_per_cm / place.w;
+    let hair_blur = clamp((place.z - shadow_filtered[at]) * blur_per_cm, MIN_BLUR, MAX_BLUR);
+    let head_blur = clamp((place.z - head_front(light_idx, texel)) * blur_per_cm, MIN_BLUR, MAX_BLUR);
+    var through_hair = 0.0;
+    var past = 0.0;
+    for (var tap = 0u; tap < N_TAPS; tap++) {
+        // A golden spiral fills the disc evenly.
+        let angle = 2.3999632 * f32(tap);
+        let offset = sqrt((f32(tap) + 0.5) / f32(N_TAPS)) * vec2<f32>(cos(angle), sin(angle));
+        through_hair += exp(-depth_at(light_idx, place.xy + hair_blur * offset, place.z));
+        past += past_head_at(light_idx, place.xy + head_blur * offset, place.z);
+    }
+    return through_hair * past / f32(N_TAPS * N_TAPS);
 }

@@ -1,7 +1,7 @@
 // From the layers of each texel to what a look-up wants: the front of the neighbourhood and, at each layer's end, the
 // optical depth averaged over the neighbourhood. Filtering here costs a texel's work once; filtering in the look-up
 // would cost it for every vertex and light.
-#import lorelei::shadow_map::{ShadowParams, FIXED_POINT, layer_of, layer_end}
+#import lorelei::shadow_map::{ShadowParams, FIXED_POINT}
 
 @group(0) @binding(auto) var<uniform> shadow_params: ShadowParams;
 @group(0) @binding(auto) var<storage, read> shadow_front: array<u32>;
@@ -10,7 +10,8 @@
 @group(0) @binding(auto) var<storage, read_write> shadow_filtered: array<f32>;
 
 const NO_HAIR: f32 = 1e30;
-const MAX_LAYERS: u32 = 7u;
+// Known when the pipeline is made: loops over layers unroll, and what they index stays in registers.
+override N_LAYERS: u32 = 4u;
 
 @compute @workgroup_size(8, 8)
 fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -19,8 +20,7 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let base = id.z * shadow_params.resolution * shadow_params.resolution;
-    let n_layers = shadow_params.n_layers;
-    let out = (base + id.y * shadow_params.resolution + id.x) * (n_layers + 1u);
+    let out = (base + id.y * shadow_params.resolution + id.x) * (N_LAYERS + 1u);
     let reach = i32(ceil(shadow_params.filter_radius));
     let from_texel = max(vec2<i32>(id.xy) - reach, vec2<i32>(0));
     let to_texel = min(vec2<i32>(id.xy) + reach, vec2<i32>(resolution - 1));
@@ -34,7 +34,7 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     if nearest == 0u {
         shadow_filtered[out] = NO_HAIR;
-        for (var k = 1u; k <= n_layers; k++) {
+        for (var k = 1u; k <= N_LAYERS; k++) {
             shadow_filtered[out + k] = 0.0;
         }
         return;
@@ -53,24 +53,22 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
             if shadow_front[tap] == 0u {
                 continue;
             }
-            let step_back = front - bitcast<f32>(~shadow_front[tap]);
-            // The tap's own cumulative opacities at its own layers' ends.
-            var depths = array<f32, 8>();
-            for (var k = 0u; k < n_layers; k++) {
-                depths[k + 1u] = depths[k] + f32(shadow_opacity[tap * n_layers + k]) / FIXED_POINT;
+            // The neighbourhood's front is at or before the tap's own: a layer's end is there a little less deep.
+            let step_back = bitcast<f32>(~shadow_front[tap]) - front;
+            var above = 0.0;
+            for (var k = 1u; k < N_LAYERS; k++) {
+                let inside = f32(shadow_opacity[tap * N_LAYERS + k - 1u]) / FIXED_POINT;
+                let share = 1.0 - step_back / (shadow_params.layer_size * f32(k));
+                sums[k] += weight * max(above + inside * share, 0.0);
+                above += inside;
             }
-            for (var k = 1u; k < n_layers; k++) {
-                let end = step_back + layer_end(k, shadow_params.layer_size);
-                let layer = layer_of(end, shadow_params.layer_size, n_layers);
-                let below = min(u32(layer), n_layers - 1u);
-                sums[k] += weight * mix(depths[below], depths[below + 1u], layer - f32(below));
-            }
+            above += f32(shadow_opacity[tap * N_LAYERS + N_LAYERS - 1u]) / FIXED_POINT;
             // Everything behind the last layer is in it (the paper's second choice).
-            sums[n_layers] += weight * depths[n_layers];
+            sums[N_LAYERS] += weight * above;
         }
     }
     shadow_filtered[out] = front;
-    for (var k = 1u; k <= n_layers; k++) {
+    for (var k = 1u; k <= N_LAYERS; k++) {
         shadow_filtered[out + k] = sums[k] / weights;
     }
 }

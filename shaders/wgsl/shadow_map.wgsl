@@ -11,6 +11,11 @@ struct ShadowLight {
     // Depths of the head's map: 0 and 1.
     near: f32,
     far: f32,
+    // Radius of the blur of a shadow's edge for each centimetre between what casts and what receives it.
+    softness: f32,
+    pad_a: f32,
+    pad_b: f32,
+    pad_c: f32,
 }
 
 struct ShadowParams {
@@ -43,8 +48,4 @@ fn layer_of(behind: f32, layer_size: f32, n_layers: u32) -> f32 {
     let k = min(floor(0.5 * (sqrt(1.0 + 8.0 * behind / layer_size) - 1.0)), f32(n_layers));
     let start = 0.5 * layer_size * k * (k + 1.0);
     return min(k + (behind - start) / (layer_size * (k + 1.0)), f32(n_layers));
-}
-
-fn layer_end(k: u32, layer_size: f32) -> f32 {
-    return 0.5 * layer_size * f32(k) * f32(k + 1u);
 }

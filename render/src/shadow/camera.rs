@@ -17,6 +17,9 @@ pub struct ShadowLight {
     /// Depths of the head's map, centimetres.
     pub near: f32,
     pub far: f32,
+    /// Radius of the blur of a shadow's edge for each centimetre between what casts and what receives it.
+    pub softness: f32,
+    pad: [f32; 3],
 }
 
 /// Widest half angle of a point light's map: a light inside the hair lights only what is before it.
@@ -42,7 +45,15 @@ impl ShadowLight {
                 forward.extend(near_plane),
                 Vec4::W,
             ];
-            return Self { map_from_world: from_rows(rows), texels_per_cm, casts, near: 0.0, far: 2.0 * ball.radius };
+            return Self {
+                map_from_world: from_rows(rows),
+                texels_per_cm,
+                casts,
+                near: 0.0,
+                far: 2.0 * ball.radius,
+                softness: light.radius,
+                pad: [0.0; 3],
+            };
         }
         let towards = centre - place;
         let distance = towards.length().max(1e-3);
@@ -58,7 +69,15 @@ impl ShadowLight {
             axis,
         ];
         let near = (distance - ball.radius).max(0.5);
-        Self { map_from_world: from_rows(rows), texels_per_cm, casts, near, far: distance + ball.radius }
+        Self {
+            map_from_world: from_rows(rows),
+            texels_per_cm,
+            casts,
+            near,
+            far: distance + ball.radius,
+            softness: light.radius / distance,
+            pad: [0.0; 3],
+        }
     }
 
     /// (texel x, texel y, depth, w). Twin of `map_place`.

@@ -78,6 +78,8 @@ struct Kernels {
     opacity: Kernel,
     filter: Kernel,
     head: Draw,
+    /// That the filter was made for.
+    n_layers: u32,
 }
 
 struct Head {
@@ -149,7 +151,7 @@ impl Shadow {
     pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         let size = MapSize { resolution: 8, n_layers: 1, n_lights: 1 };
         Ok(Self {
-            kernels: Hot::new(library, |library| make_kernels(gpu, library))?,
+            kernels: Hot::new(library, |library| make_kernels(gpu, library, size.n_layers))?,
             maps: Maps::new(gpu, size),
             head: None,
             bound: None,
@@ -202,13 +204,17 @@ impl Shadow {
         strands: &StrandBuffers,
         input: &ShadowInput<'_>,
     ) -> Result<(), ShaderError> {
-        if self.kernels.refresh(library, |library| make_kernels(gpu, library)) {
-            self.bound = None;
-        }
         if input.shadowing == Shadowing::Off {
             return Ok(());
         }
         let size = MapSize::new(gpu, input.params, input.lights.lights.len());
+        let make = |library: &ShaderLibrary| make_kernels(gpu, library, size.n_layers);
+        if self.kernels.refresh(library, make) {
+            self.bound = None;
+        } else if self.kernels.n_layers != size.n_layers {
+            self.kernels = Hot::new(library, make)?;
+            self.bound = None;
+        }
         if self.maps.size != size {
             self.maps = Maps::new(gpu, size);
             self.generation += 1;
@@ -397,12 +403,14 @@ impl Maps {
     }
 }
 
-fn make_kernels(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernels, ShaderError> {
+fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, n_layers: u32) -> Result<Kernels, ShaderError> {
     let build = |pass: f64| library.kernel(gpu, "shadow_build", "build", &[("PASS", pass)], &[]);
+    let layers = [("N_LAYERS", f64::from(n_layers))];
     Ok(Kernels {
+        n_layers,
         front: build(0.0)?,
         opacity: build(1.0)?,
-        filter: library.kernel(gpu, "shadow_filter", "filter_map", &[], &[])?,
+        filter: library.kernel(gpu, "shadow_filter", "filter_map", &layers, &[])?,
         head: library.draw(
             gpu,
             "shadow_head",
