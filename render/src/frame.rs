@@ -69,7 +69,7 @@ impl Targets {
                 size,
                 head_samples: view(&texture("head.samples", COLOUR, N_SAMPLES, attached)),
                 head_depth_samples: view(&texture("head.depth_samples", DEPTH, N_SAMPLES, attached | read)),
-                head_colour: view(&texture("head.colour", COLOUR, 1, attached | read)),
+                head_colour: view(&texture("head.colour", COLOUR, 1, attached | read | Usage::COPY_SRC)),
                 head_depth: view(&texture(
                     "head.depth",
                     wgpu::TextureFormat::R32Float,

@@ -4,6 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::error::GpuError;
 
+/// Bytes of the smallest buffer: an empty array still needs room for one element to be bound.
+const SMALLEST: u64 = 256;
+
 /// Handles to a GPU; a clone is the same GPU.
 #[derive(Debug, Clone)]
 pub struct Gpu {
@@ -160,11 +163,11 @@ impl Gpu {
         buffer
     }
 
-    /// A buffer of `size` bytes (at least 16), zeroed.
+    /// A buffer of `size` bytes (at least 256), zeroed.
     pub fn buffer(&self, label: &str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            size: size.next_multiple_of(16).max(16),
+            size: size.next_multiple_of(16).max(SMALLEST),
             usage: usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: false,
         })
