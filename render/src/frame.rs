@@ -30,6 +30,8 @@ pub(crate) struct Targets {
     pub size: [u32; 2],
     pub head_samples: wgpu::TextureView,
     pub head_depth_samples: wgpu::TextureView,
+    /// World normals of the head.
+    pub head_normal: wgpu::TextureView,
     /// Premultiplied; alpha is the share of the pixel that the head covers.
     pub head_colour: wgpu::TextureView,
     /// View depth, centimetres.
@@ -69,7 +71,8 @@ impl Targets {
                 size,
                 head_samples: view(&texture("head.samples", COLOUR, N_SAMPLES, attached)),
                 head_depth_samples: view(&texture("head.depth_samples", DEPTH, N_SAMPLES, attached | read)),
-                head_colour: view(&texture("head.colour", COLOUR, 1, attached | read | Usage::COPY_SRC)),
+                head_normal: view(&texture("head.normal", COLOUR, 1, attached | read)),
+                head_colour: view(&texture("head.colour", COLOUR, 1, read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
                 head_depth: view(&texture(
                     "head.depth",
                     wgpu::TextureFormat::R32Float,

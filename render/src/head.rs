@@ -1,5 +1,5 @@
-//! The head through the graphics pipeline: matte skin, four samples a pixel so that its outline is smooth, and the
-//! depth that hair is compared with.
+//! The head: normals and depth through the graphics pipeline, four samples a pixel so that its outline is smooth; then
+//! matte skin and the depth that hair is compared with, once a pixel, in compute.
 
 use std::collections::HashMap;
 
@@ -32,8 +32,8 @@ struct Mesh {
 
 /// The head pass.
 pub(crate) struct HeadPass {
-    draws: HashMap<Shadowing, Hot<Draw>>,
-    depth: Hot<Kernel>,
+    draw: Hot<Draw>,
+    shade: HashMap<Shadowing, Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
 }
@@ -53,8 +53,8 @@ pub(crate) struct HeadInput<'a> {
 impl HeadPass {
     pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         Ok(Self {
-            draws: HashMap::new(),
-            depth: Hot::new(library, |library| make_depth(gpu, library))?,
+            draw: Hot::new(library, |library| make_draw(gpu, library))?,
+            shade: HashMap::new(),
             look: gpu.buffer("head.look", size_of::<HeadLook>() as u64, BufferUsages::UNIFORM),
             mesh: None,
         })
@@ -81,7 +81,7 @@ impl HeadPass {
     }
 
     pub fn shader_error(&self) -> Option<&ShaderError> {
-        self.draws.values().find_map(Hot::error).or(self.depth.error())
+        self.shade.values().find_map(Hot::error).or(self.draw.error())
     }
 
     /// Draw head colour and depth into the targets; both are cleared where there is no head.
@@ -93,12 +93,15 @@ impl HeadPass {
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
         let shadowing = input.look.shadowing;
-        if let Some(draw) = self.draws.get_mut(&shadowing) {
-            draw.refresh(library, |library| make_draw(gpu, library, shadowing));
+        let make_shade = |library: &ShaderLibrary| {
+            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing)])
+        };
+        if let Some(kernel) = self.shade.get_mut(&shadowing) {
+            kernel.refresh(library, make_shade);
         } else {
-            self.draws.insert(shadowing, Hot::new(library, |library| make_draw(gpu, library, shadowing))?);
+            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
         }
-        self.depth.refresh(library, |library| make_depth(gpu, library));
+        self.draw.refresh(library, |library| make_draw(gpu, library));
         let uniform = HeadLook {
             world_from_head: Mat4::from(input.world_from_head).to_cols_array_2d(),
             albedo: input.look.skin_colour,
@@ -113,7 +116,7 @@ impl HeadPass {
                 color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                     view: &targets.head_samples,
                     depth_slice: None,
-                    resolve_target: Some(&targets.head_colour),
+                    resolve_target: Some(&targets.head_normal),
                     ops: wgpu::Operations {
                         load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
                         store: wgpu::StoreOp::Discard,
@@ -127,49 +130,48 @@ impl HeadPass {
                 ..wgpu::RenderPassDescriptor::default()
             });
             if let (true, Some(mesh)) = (input.is_shown, &self.mesh) {
-                let draw = &self.draws[&shadowing];
-                let mut resources = vec![
-                    ("view", input.view.as_entire_binding()),
-                    ("head_look", self.look.as_entire_binding()),
-                    ("head_positions", mesh.positions.as_entire_binding()),
-                    ("head_normals", mesh.normals.as_entire_binding()),
-                    ("head_indices", mesh.indices.as_entire_binding()),
-                ];
-                resources.extend(input.scene.resources());
-                resources.extend(input.shadow.resources());
-                draw.draw(&mut pass, &draw.bind_used(gpu, &resources)?, mesh.n_indices);
+                let bindings = self.draw.bind(
+                    gpu,
+                    &[
+                        ("view", input.view.as_entire_binding()),
+                        ("head_look", self.look.as_entire_binding()),
+                        ("head_positions", mesh.positions.as_entire_binding()),
+                        ("head_normals", mesh.normals.as_entire_binding()),
+                        ("head_indices", mesh.indices.as_entire_binding()),
+                    ],
+                )?;
+                self.draw.draw(&mut pass, &bindings, mesh.n_indices);
             }
         }
         encoder.clear_buffer(input.tile_backs, 0, None);
-        let bindings = self.depth.bind(
-            gpu,
-            &[
-                ("view", input.view.as_entire_binding()),
-                ("head_samples", wgpu::BindingResource::TextureView(&targets.head_depth_samples)),
-                ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
-                ("tile_backs", input.tile_backs.as_entire_binding()),
-            ],
-        )?;
+        let kernel = &self.shade[&shadowing];
+        let mut resources = vec![
+            ("view", input.view.as_entire_binding()),
+            ("head_look", self.look.as_entire_binding()),
+            ("head_samples", wgpu::BindingResource::TextureView(&targets.head_depth_samples)),
+            ("head_normal", wgpu::BindingResource::TextureView(&targets.head_normal)),
+            ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
+            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
+            ("tile_backs", input.tile_backs.as_entire_binding()),
+        ];
+        resources.extend(input.scene.resources());
+        resources.extend(input.shadow.resources());
+        let bindings = kernel.bind_used(gpu, &resources)?;
         let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("head.depth"), timestamp_writes: None });
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("head.shade"), timestamp_writes: None });
         let [width, height] = targets.size;
-        self.depth.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
+        kernel.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
         Ok(())
     }
 }
 
-fn make_depth(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "head_depth", "resolve_depth", &[], &[])
-}
-
-fn make_draw(gpu: &Gpu, library: &ShaderLibrary, shadowing: Shadowing) -> Result<Draw, ShaderError> {
+fn make_draw(gpu: &Gpu, library: &ShaderLibrary) -> Result<Draw, ShaderError> {
     library.draw(
         gpu,
         "head",
         &DrawDescriptor {
             vertex: "vertex",
             fragment: Some("fragment"),
-            links: &[slot::shadowing(shadowing)],
             targets: &[Some(COLOUR.into())],
             depth: Some(wgpu::DepthStencilState {
                 format: DEPTH,

@@ -306,8 +306,8 @@ impl Renderer {
     pub fn statistics(&self) -> FrameStatistics {
         let strands = self.generator.strands();
         let [width, height] = self.targets.size.map(u64::from);
-        // Four samples of colour (8 bytes) and depth (4), and one of each resolved texture (8 + 4 + 8 + 4).
-        let targets = width * height * (4 * 12 + 24);
+        // Four samples of normals (8 bytes) and depth (4), and one of each resolved texture (8 + 8 + 4 + 8 + 4).
+        let targets = width * height * (4 * 12 + 32);
         FrameStatistics {
             n_strands: strands.layers.iter().map(|layer| layer.n_strands).sum(),
             n_vertices: strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum(),

@@ -110,7 +110,10 @@ fn every_choice_of_drawing_changes_the_picture() {
         renderer.render_pixels(&input(&camera)).unwrap()
     };
     let default = picture(|_| {});
-    assert_eq!(default, picture(|_| {}), "a frame is the same twice");
+    // Sums in a bucket are rounded in the order in which atomics filled it: one step of 255 at most.
+    let again = picture(|_| {});
+    let worst = default.rgba.iter().zip(&again.rgba).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(worst <= Some(1), "a frame differs from itself by {worst:?}");
     let others = [
         picture(|groom| groom.look.transparency = Transparency::Opaque),
         picture(|groom| groom.look.head = HeadShading::Hidden),

@@ -16,8 +16,8 @@ struct Blend {
     bucket_stopped: f32,
 }
 
-// Light below this share is not worth a fragment.
-const OPAQUE: f32 = 0.997;
+// Where so much is stopped, what little is still to come is taken to look like what is there.
+const OPAQUE: f32 = 0.99;
 
 fn blend_add(blend: ptr<function, Blend>, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
     let alpha = clamp(coverage, 0.0, 1.0);
@@ -42,5 +42,5 @@ fn blend_is_done(blend: Blend) -> bool {
 }
 
 fn blend_colour(blend: Blend) -> vec4<f32> {
-    return blend.colour;
+    return blend.colour / select(1.0, blend.stopped, blend_is_done(blend));
 }
