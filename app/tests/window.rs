@@ -136,7 +136,7 @@ fn small_groom() -> Groom {
     let guides = Layer { source: Source::Guides(strands_of(&layer)), n_strands: 2000, ..layer };
     Groom {
         name: "small".to_owned(),
-        head: Some(Head { name: "ball".to_owned(), mesh: Arc::new(ball(9.0)) }),
+        head: Some(Head::new("ball", ball(9.0))),
         layers: vec![guides],
         ..Groom::default()
     }

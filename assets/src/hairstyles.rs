@@ -1,6 +1,6 @@
 //! The embedded hairstyles: documents without a head, put on the embedded one.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use lorelei_core::document;
 use lorelei_core::groom::{Groom, Head};
@@ -35,7 +35,7 @@ pub fn default_groom() -> Groom {
 /// The mannequin, read once: all styles share its mesh.
 fn mannequin() -> Head {
     static HEAD: OnceLock<Head> = OnceLock::new();
-    HEAD.get_or_init(|| Head { name: "Mannequin".to_owned(), mesh: Arc::new(crate::head()) }).clone()
+    HEAD.get_or_init(|| Head::new("Mannequin", crate::head())).clone()
 }
 
 #[cfg(test)]

@@ -223,9 +223,8 @@ pub(crate) mod tests {
         let layer_idx = || 0_usize..5;
         prop_oneof![
             "[a-z]{0,6}".prop_map(Edit::SetName),
-            any::<bool>().prop_map(|with_head| {
-                Edit::SetHead(with_head.then(|| Head { name: "head".into(), mesh: Arc::new(TriMesh::default()) }))
-            }),
+            any::<bool>()
+                .prop_map(|with_head| { Edit::SetHead(with_head.then(|| Head::new("head", TriMesh::default()))) }),
             (-2.0..2.0_f32, any::<bool>()).prop_map(|(exposure, kk)| {
                 let scattering = if kk { Scattering::KajiyaKay } else { Scattering::Marschner };
                 Edit::SetLook(Box::new(Look { exposure, scattering, shadowing: Shadowing::Off, ..Look::default() }))

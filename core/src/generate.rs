@@ -632,7 +632,7 @@ mod tests {
 
     #[test]
     fn strands_stay_out_of_the_head_in_their_order_and_turn_with_it() {
-        let head = Head { name: "ball".into(), mesh: Arc::new(sphere(Vec3::ZERO, 8.0, 64)) };
+        let head = Head::new("ball", sphere(Vec3::ZERO, 8.0, 64));
         let field = DistanceField::from_mesh(&head.mesh, 64).unwrap();
         // A patch on top that lies over the ball and sinks into it.
         let mut mesh = straight_grid(4, 0);
@@ -669,7 +669,7 @@ mod tests {
     fn a_painted_map_places_every_strand_where_it_is_painted() {
         let mut ball = sphere(Vec3::ZERO, 8.0, 64);
         ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
-        let head = Head { name: "ball".into(), mesh: Arc::new(ball) };
+        let head = Head::new("ball", ball);
         let mut mesh = straight_grid(4, 0);
         mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
         mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
@@ -688,7 +688,7 @@ mod tests {
 
     #[test]
     fn guides_and_imported_strands_make_strands_too() {
-        let head = Head { name: "ball".into(), mesh: Arc::new(sphere(Vec3::ZERO, 8.0, 48)) };
+        let head = Head::new("ball", sphere(Vec3::ZERO, 8.0, 48));
         let mut guides = Strands::default();
         for i in 0..60 {
             let (sin, cos) = (i as f32 * 2.4).sin_cos();
@@ -725,7 +725,7 @@ mod tests {
             let binding = bind_layer(&layer, None);
             assert_eq!(generate(&binding, &layer, &binding.guides.positions, &Pose::default()).n_strands(), 0);
         }
-        let no_triangles = Head { name: "empty".into(), mesh: Arc::new(TriMesh::default()) };
+        let no_triangles = Head::new("empty", TriMesh::default());
         assert_eq!(bind_layer(&layer, Some(&no_triangles)).n_strands(), 60);
     }
 }

@@ -6,6 +6,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::hair_mesh::HairMesh;
+use crate::io::Space;
 use crate::light::{Light, three_point_rig};
 use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
 use crate::mesh::TriMesh;
@@ -41,10 +42,19 @@ impl Default for Groom {
 }
 
 /// The body that hair grows on, hides behind and collides with.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Head {
     pub name: String,
     pub mesh: Arc<TriMesh>,
+    /// What the file's numbers were taken for, where the head was imported: `io::reread` changes it.
+    pub read_as: Option<Space>,
+}
+
+impl Head {
+    pub fn new(name: impl Into<String>, mesh: impl Into<Arc<TriMesh>>) -> Self {
+        Self { name: name.into(), mesh: mesh.into(), read_as: None }
+    }
 }
 
 /// Strands that share a source, a style and a material.
@@ -67,6 +77,8 @@ pub struct Layer {
     pub material: HairMaterial,
     /// Strands per area over the scalp's texture coordinates, 0-255; `None` is everywhere full.
     pub density: Option<Arc<ScalpMap>>,
+    /// What the file's numbers were taken for, where the strands were imported: `io::reread` changes it.
+    pub read_as: Option<Space>,
 }
 
 /// Where a layer's strands come from.
@@ -255,6 +267,7 @@ impl Layer {
             style: Vec::new(),
             material: HairMaterial::default(),
             density: None,
+            read_as: None,
         }
     }
 }

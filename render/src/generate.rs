@@ -189,7 +189,7 @@ mod tests {
                 }
             }
         }
-        Head { name: "ball".into(), mesh: Arc::new(mesh) }
+        Head::new("ball", mesh)
     }
 
     /// A cap of quads on a ball, its layers falling to the sides and partly into the ball.

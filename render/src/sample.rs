@@ -60,5 +60,5 @@ fn ball() -> Head {
         }
     }
     mesh.compute_normals();
-    Head { name: "ball".to_owned(), mesh: Arc::new(mesh) }
+    Head::new("ball", mesh)
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use lorelei_core::io::{self, Axis, ConvertOptions, Unit, Watch, What, WriteOptions};
 
+use super::read_as::ReadAs;
 use super::{CliError, print_line};
 
 #[derive(Debug, clap::Args)]
@@ -21,6 +22,8 @@ pub struct ConvertArguments {
     /// The unit of OUT's numbers. Without it: cm.
     #[arg(long, value_enum)]
     unit: Option<OutputUnit>,
+    #[command(flatten)]
+    read_as: ReadAs,
     /// The curves that strands are made from, or every strand as it is drawn.
     #[arg(long, value_enum, default_value = "strands")]
     what: Curves,
@@ -67,7 +70,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
             Curves::Guides => What::Guides,
             Curves::Strands => What::Strands,
         },
-        ..ConvertOptions::default()
+        input: arguments.read_as.options(),
     };
     let converted =
         io::convert(&arguments.input, &arguments.output, options, Watch::default()).map_err(CliError::failed)?;

@@ -5,6 +5,7 @@
 mod convert;
 mod info;
 mod looks;
+mod read_as;
 mod render;
 mod set;
 mod setup;

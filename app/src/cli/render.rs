@@ -5,12 +5,13 @@ use std::time::Instant;
 
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Head, Source};
-use lorelei_core::io::{self, Contents, ImportOptions, Watch};
+use lorelei_core::io::{self, Contents, Watch};
 use lorelei_core::look::Choice;
 use lorelei_core::motion::Motion;
 use lorelei_shaders::Gpu;
 use serde_json::json;
 
+use super::read_as::ReadAs;
 use super::{CliError, print_line, set, setup};
 use crate::stage::{Playback, Stage, bounds_of};
 
@@ -40,6 +41,8 @@ pub struct RenderArguments {
     /// and centimetres from the middle. Without DIST (AZ,EL) all of it fills the picture.
     #[arg(long, default_value = "three-quarter", value_parser = parse_view, allow_hyphen_values = true)]
     camera: View,
+    #[command(flatten)]
+    read_as: ReadAs,
     /// Camera and lights from a file; --camera then only counts where the file has none.
     #[arg(long, value_name = "FILE.ron")]
     setup: Option<PathBuf>,
@@ -124,7 +127,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if extension.as_deref() != Some("png") {
         return Err(CliError::Usage(format!("--out {}: let the name end in .png", arguments.out.display())));
     }
-    let (mut groom, warnings) = open(arguments.file.as_deref(), arguments.head.as_deref())?;
+    let (mut groom, warnings) = open(arguments.file.as_deref(), arguments.head.as_deref(), arguments.read_as)?;
     set::apply(&mut groom, &arguments.assignments)?;
     if let Some(n_strands) = arguments.strands {
         set_strand_count(&mut groom, n_strands);
@@ -214,7 +217,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
 }
 
 /// The groom to render, and what is to be said about it.
-fn open(file: Option<&Path>, head: Option<&Path>) -> Result<(Groom, Vec<String>), CliError> {
+fn open(file: Option<&Path>, head: Option<&Path>, read_as: ReadAs) -> Result<(Groom, Vec<String>), CliError> {
     let Some(file) = file else {
         let mut groom = crate::stage::default_groom();
         let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
@@ -227,7 +230,7 @@ fn open(file: Option<&Path>, head: Option<&Path>) -> Result<(Groom, Vec<String>)
             Ok((groom, warnings.unwrap_or_default()))
         }
         Contents::Strands => {
-            let import = io::import_groom(file, head, ImportOptions::default(), Watch::default());
+            let import = io::import_groom(file, head, read_as.options(), Watch::default());
             let import = import.map_err(CliError::failed)?;
             Ok((import.groom, import.warnings))
         }
@@ -242,7 +245,7 @@ fn put_on(groom: &mut Groom, path: &Path) -> Result<Vec<String>, CliError> {
     let import = io::read_mesh(path, Watch::default()).map_err(CliError::failed)?;
     let warnings = import.warnings.clone();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    groom.head = Some(Head { name, mesh: import.place().into() });
+    groom.head = Some(Head { read_as: Some(import.space), ..Head::new(name, import.place()) });
     Ok(warnings)
 }
 

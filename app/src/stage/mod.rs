@@ -290,7 +290,7 @@ fn copy_to_shown(
 
 /// What the studio opens with where no file is given.
 pub fn default_groom() -> Groom {
-    let head = Head { name: "Mannequin".to_owned(), mesh: Arc::new(lorelei_assets::head()) };
+    let head = Head::new("Mannequin", lorelei_assets::head());
     Groom { head: Some(head), ..Groom::default() }
 }
 

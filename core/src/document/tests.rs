@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use super::{DocumentError, open, open_bytes, save};
 use crate::groom::{Groom, Head, Layer, ScalpMap, Source};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
-use crate::io::ReadError;
+use crate::io::{ReadError, Space};
 use crate::mesh::{FaceGroup, TriMesh};
 use crate::strands::Strands;
 
@@ -110,7 +110,7 @@ fn groom() -> impl Strategy<Value = Groom> {
     (prop::option::of(mesh()), prop::collection::vec(layer(), 0..4), ".{0,20}", number()).prop_map(
         |(mesh, layers, name, gravity)| {
             let mut groom = Groom { name, layers, ..Groom::default() };
-            groom.head = mesh.map(|mesh| Head { name: "Head".to_owned(), mesh: Arc::new(mesh) });
+            groom.head = mesh.map(|mesh| Head { read_as: Some(Space::default()), ..Head::new("Head", mesh) });
             groom.simulation.gravity = gravity;
             groom
         },
@@ -137,7 +137,7 @@ fn sample() -> Groom {
     first.density = Some(Arc::new(ScalpMap { width: 2, height: 3, texels: vec![0, 50, 100, 150, 200, 255] }));
     let head = TriMesh { positions, triangles: vec![[0, 1, 2]], ..TriMesh::default() };
     Groom {
-        head: Some(Head { name: "Head".to_owned(), mesh: Arc::new(head) }),
+        head: Some(Head::new("Head", head)),
         layers: vec![first, Layer::new("mesh", Source::HairMesh(Arc::new(hair_mesh)))],
         ..Groom::default()
     }

@@ -141,7 +141,9 @@ pub(crate) fn extension(path: &Path) -> String {
 }
 
 fn claim(extension: &str) -> String {
-    if extension.is_empty() { String::new() } else { format!(", although it is named .{extension}") }
+    let is_ours =
+        STRAND_EXTENSIONS.contains(&extension) || MESH_EXTENSIONS.contains(&extension) || extension == "lorelei";
+    if is_ours { format!(", although it is named .{extension}") } else { String::new() }
 }
 
 fn first_u32(bytes: &[u8], at: usize) -> Option<u32> {

@@ -49,7 +49,7 @@ pub enum ReadError {
     #[error("{}: reading failed {place}: {source}. Copy the file to a local disk and try again", .path.display())]
     Io { path: PathBuf, place: Place, source: io::Error },
     #[error(
-        "{}: ends too early {place}: {part} needs {needed} more bytes, {has} are left. The file is cut off or its counts are wrong: copy or export it again",
+        "{}: ends too early {place}, before {part}: {needed} bytes are due, {has} are left. The file is cut off or its counts are wrong: copy or export it again",
         .path.display()
     )]
     Truncated { path: PathBuf, place: Place, part: String, needed: u64, has: u64 },

@@ -4,7 +4,6 @@
 //! same transform is applied to both. Only where they would lie apart is each taken for itself.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -114,6 +113,7 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
     let most_points = placed.strands.iter().map(<[Vec3]>::len).max().unwrap_or(2);
     let has_own_widths = !placed.strands.radii_um.is_empty();
     let mut layer = Layer::from_strands(&name, placed.strands);
+    layer.read_as = Some(space);
     layer.vertices_per_strand = (most_points as u32).clamp(4, 128);
     layer.radius_um = placed.radius_um.unwrap_or_else(|| default_radius_um(n_strands));
     if !has_own_widths && layer.radius_um > HAIR_RADIUS_UM {
@@ -123,7 +123,7 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
             layer.radius_um
         ));
     }
-    let head = head.map(|head| Head { name: stem(&head.path, "Head"), mesh: Arc::new(head.place()) });
+    let head = head.map(|head| Head { read_as: Some(head.space), ..Head::new(stem(&head.path, "Head"), head.place()) });
     let groom = Groom { name, head, layers: vec![layer], ..Groom::default() };
     GroomImport { groom, space, space_reason, head_space, warnings }
 }

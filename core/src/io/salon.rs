@@ -47,7 +47,7 @@ fn walk(source: &mut Source<'_>, floats: u64) -> Result<Vec<u32>, ReadError> {
     source.rewind()?;
     let n_strands = source.u32("the strand count")?;
     // A strand takes four bytes at least: its count.
-    source.require(u128::from(n_strands) * 4, &format!("{n_strands} strands that the file begins with counting"))?;
+    source.require(u128::from(n_strands) * 4, &format!("the {n_strands} strands that it counts at its beginning"))?;
     let mut offsets: Vec<u32> = source.reserve(u64::from(n_strands) + 1)?;
     offsets.push(0);
     let mut n_points = 0u64;

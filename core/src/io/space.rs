@@ -110,6 +110,17 @@ impl Axis {
         }
     }
 
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::X => "X",
+            Self::Y => "Y",
+            Self::Z => "Z",
+            Self::NegX => "-X",
+            Self::NegY => "-Y",
+            Self::NegZ => "-Z",
+        }
+    }
+
     /// Where the face looks by custom, when this is up: +Z in Y-up programs, -Y in Z-up programs.
     pub fn usual_front(self) -> Self {
         match self {

@@ -35,7 +35,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<StrandImport, ReadError> {
         ));
     }
     let n_points = u128::from(n_strands) * u128::from(n_vertices);
-    seek_array(source, positions_at, n_points * 16, "vertex positions")?;
+    seek_array(source, positions_at, n_points * 16, "the vertex positions")?;
     if n_points > u128::from(u32::MAX) {
         return Err(source.wrong_kind("has more than 4 billion points", "Split the groom into several files"));
     }

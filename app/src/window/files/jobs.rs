@@ -157,7 +157,8 @@ pub fn import_head(path: &Path, watch: Watch<'_>) -> Done {
             let mut notes = vec![format!("Read as {}", import.space_reason)];
             notes.extend(import.warnings.iter().cloned());
             let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let head = Head { name, mesh: Arc::new(import.place()) };
+            let read_as = Some(import.space);
+            let head = Head { read_as, ..Head::new(name, import.place()) };
             Done::Head { head, source: path.to_owned(), notes }
         }
         Err(why) if why.is_cancelled() => Done::Cancelled,

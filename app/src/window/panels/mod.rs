@@ -5,6 +5,7 @@ pub mod lights;
 pub mod look;
 pub mod outliner;
 pub mod properties;
+pub mod read_as;
 pub mod simulation;
 pub mod statistics;
 pub mod widgets;

@@ -42,6 +42,8 @@ fn head(ui: &mut Ui, desk: &mut Desk) {
             ui.label("Hair without a head: nothing to collide with, nothing to cast shadows on.");
         }
     }
+    let read_as = desk.document.groom.head.as_ref().and_then(|head| head.read_as);
+    super::read_as::ui(ui, &mut desk.document, read_as);
     ui.add_space(6.0);
     if ui.button("Import another head\u{2026}").on_hover_text(Command::ImportHead.row().help).clicked() {
         desk.asked.push(Command::ImportHead);
@@ -80,6 +82,7 @@ fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
     section(ui, "Style");
     let style_change = style_stack(ui, &mut layer.style);
     let document = &mut desk.document;
+    super::read_as::ui(ui, document, layer.read_as);
     if let Some(change) = material_change {
         let edit = Edit::SetMaterial { layer_idx, material: layer.material };
         document.edit(&change.label, edit, merge_of(change.drag));
