@@ -177,7 +177,7 @@ pub struct KajiyaKayParams {
 
 impl Default for KajiyaKayParams {
     fn default() -> Self {
-        Self { diffuse: 0.5, specular: 0.25, exponent: 40.0 }
+        Self { diffuse: 0.35, specular: 0.25, exponent: 40.0 }
     }
 }
 
@@ -199,7 +199,7 @@ pub struct DeepOpacityParams {
 
 impl Default for DeepOpacityParams {
     fn default() -> Self {
-        Self { n_layers: 4, layer_size: 0.25, resolution: 1024, filter_radius: 1.5, density: 1.0 }
+        Self { n_layers: 6, layer_size: 0.15, resolution: 1024, filter_radius: 1.5, density: 1.0 }
     }
 }
 

@@ -4,6 +4,14 @@
 #import lorelei::scatter_fibre::{Fibre}
 #import lorelei::scatter_volume::{Volume}
 
+fn through(fibre: Fibre, volume: Volume, tau: f32) -> vec3<f32> {
+    return vec3<f32>(exp(-tau));
+}
+
+fn spread(fibre: Fibre, tau: f32) -> Fibre {
+    return fibre;
+}
+
 fn multiple(
     fibre: Fibre,
     volume: Volume,

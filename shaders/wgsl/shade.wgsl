@@ -5,7 +5,7 @@
 #import lorelei::scatter_fibre::{Fibre, directions, vary}
 #import lorelei::scatter_volume::{volume}
 #import lorelei::scattering::{scatter}
-#import lorelei::multiple::{multiple}
+#import lorelei::multiple::{multiple, spread, through}
 #import lorelei::environment::{environment_through}
 #import lorelei::shadow::{hair_depth, head_visibility}
 #import lorelei::shade_lights::{scene, arriving}
@@ -53,7 +53,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
         let tau = hair_depth(light_idx, position);
         let lit = head_visibility(light_idx, position);
         let d = directions(tangent, light.to_light, to_eye);
-        let single = scatter(fibre, d) * exp(-tau);
+        let single = scatter(spread(fibre, tau), d) * through(fibre, heap, tau);
         let many = multiple(fibre, heap, tangent, light.to_light, to_eye, tau);
         l += (single + many) * lit * light.irradiance;
         let open = environment_through(heap, tau, lit);

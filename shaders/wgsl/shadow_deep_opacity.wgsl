@@ -90,7 +90,9 @@ fn hair_depth(light_idx: u32, position: vec3<f32>) -> f32 {
     if is_unmapped(light_idx, place) {
         return 0.0;
     }
-    return depth_at(light_idx, place.xy, place.z);
+    // A fibre is as wide as its share of a texel: what lies within half a texel before it is mostly itself.
+    let own = 0.5 * place.w / shadow_lights[light_idx].texels_per_cm;
+    return depth_at(light_idx, place.xy, place.z - own);
 }
 
 // For hair: 1 where the head does not stand between a light and a position.

@@ -28,7 +28,7 @@ pub struct Fibre {
     pub norm_tt: f32,
     /// The same of TRT.
     pub norm_trt: f32,
-    /// Share of TT that leaves on the light's side.
+    /// Share of TT that leaves on the side that diffuse light comes from.
     pub tt_back: f32,
     /// Spread of the absorption from strand to strand.
     pub colour_variation: f32,
@@ -158,12 +158,14 @@ fn von_mises_norm(kappa: f32) -> f32 {
     0.5 / half
 }
 
-/// Share of a von Mises lobe that is more than a quarter turn from its centre.
+/// Share of a von Mises lobe around "straight on" that leaves on the side that light comes from, light coming evenly from
+/// half of all azimuths: an angle delta carries |delta| / pi of it over the edge.
 fn share_behind(kappa: f32) -> f32 {
     let n = 256;
-    let density = |i: usize| (kappa * (((i as f32 + 0.5) / n as f32 * std::f32::consts::PI).cos() - 1.0)).exp();
-    let behind: f32 = (n / 2..n).map(density).sum();
-    behind / (0..n).map(density).sum::<f32>()
+    let angle = |i: usize| (i as f32 + 0.5) / n as f32 * std::f32::consts::PI;
+    let density = |i: usize| (kappa * (angle(i).cos() - 1.0)).exp();
+    let carried: f32 = (0..n).map(|i| density(i) * angle(i)).sum();
+    carried / (0..n).map(density).sum::<f32>() / std::f32::consts::PI
 }
 
 /// Fresnel reflectance of a dielectric, unpolarised.

@@ -6,13 +6,17 @@ use lorelei_core::look::Look;
 use lorelei_shaders::{Gpu, Link, ShaderLibrary};
 use wgpu::BufferUsages;
 
-use super::{Directions, Fibre, kajiya_kay, marschner, multiple::multiple, volume::volume};
+use super::{
+    Directions, Fibre, kajiya_kay, marschner,
+    multiple::{multiple, spread, through},
+    volume::volume,
+};
 
 const SCATTER: &str = "
 #import lorelei::scatter_fibre::{Fibre, directions, vary}
 #import lorelei::scatter_volume::{volume}
 #import lorelei::scattering::{scatter}
-#import lorelei::multiple::{multiple}
+#import lorelei::multiple::{multiple, spread, through}
 struct Case { fibre: Fibre, tangent: vec3<f32>, seed: u32, to_light: vec3<f32>, t: f32, to_eye: vec3<f32>, tau: f32 }
 @group(0) @binding(auto) var<storage, read> cases: array<Case>;
 @group(0) @binding(auto) var<storage, read_write> answers: array<vec4<f32>>;
@@ -22,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     let c = cases[id.x];
     let fibre = vary(c.fibre, c.seed, c.t);
     let d = directions(c.tangent, c.to_light, c.to_eye);
-    answers[2u * id.x] = vec4<f32>(scatter(fibre, d), 0.0);
+    answers[2u * id.x] = vec4<f32>(scatter(spread(fibre, c.tau), d) * through(fibre, volume(fibre), c.tau), 0.0);
     answers[2u * id.x + 1u] = vec4<f32>(multiple(fibre, volume(fibre), c.tangent, c.to_light, c.to_eye, c.tau), 0.0);
 }";
 
@@ -109,8 +113,10 @@ fn wgsl_twins_agree_with_the_cpu() {
             let fibre = case.fibre.vary(case.seed, case.t);
             let [tangent, to_light, to_eye] = [case.tangent, case.to_light, case.to_eye].map(Vec3::from_array);
             let d = Directions::new(tangent, to_light, to_eye);
-            let expected =
-                [scatter(&fibre, &d), multiple(&fibre, &volume(&fibre), tangent, to_light, to_eye, case.tau)];
+            let expected = [
+                scatter(&spread(&fibre, case.tau), &d) * through(&fibre, &volume(&fibre), case.tau),
+                multiple(&fibre, &volume(&fibre), tangent, to_light, to_eye, case.tau),
+            ];
             for (answer, expected) in answers[2 * i..2 * i + 2].iter().zip(expected) {
                 let difference = (Vec3::from_slice(&answer[..3]) - expected).abs();
                 // 1e-4: a lobe's tail that no picture shows.
