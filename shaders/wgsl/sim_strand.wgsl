@@ -75,6 +75,7 @@ const N_PINNED = 2u;
 const MIN_EDGE = 0.05;
 const SMOOTHING = 3.0;
 const HOLD_ENDS = 7.0;
+const SHELTER = 4.0;
 const NOTHING_NEAR = 1e9;
 
 // First vertex of this thread's strand.
@@ -244,7 +245,8 @@ fn integrate(before: Pose, after: Pose) {
             // Level the velocity out with the neighbours', lose some of it to the head and to the air.
             let levelled = own + params.step.rub * (own_below + own_above - 2.0 * own);
             var v = pose_apply(carry, x) - x + params.step.keep * levelled;
-            v += params.step.take_up * (params.step.wind_step - v);
+            let exposed = from_root / (from_root + SHELTER);
+            v += params.step.take_up * (exposed * params.step.wind_step - v);
             let aside = x - pose_apply(before, rest_at(k));
             let swing = sqrt(from_root * from_root + dot(aside, aside));
             let pendulum = -aside * (length(gravity_step) / max(swing, MIN_EDGE));

@@ -43,6 +43,9 @@ const MIN_EDGE: f32 = 0.05;
 const RUB: f32 = 20.0;
 /// Length over which the strand's frame is smoothed, cm: more than a curl's pitch.
 const SMOOTHING: f32 = 3.0;
+/// Distance from the root at which hair feels half of the wind, cm: it lies in the lee of its neighbours
+/// there. Without, a wind along the scalp folds the roots over at the parting.
+const SHELTER: f32 = 4.0;
 /// Times its length, where the hold has faded to a thousandth and ends.
 const HOLD_ENDS: f32 = 7.0;
 /// Faster hair is not seen, only missed: cm/s.
@@ -167,7 +170,9 @@ fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
             // Level the velocity out with the neighbours', lose some of it to the head and to the air.
             let levelled = own + p.rub * (own_below + own_above - 2.0 * own);
             let mut v = with_head(x) + p.keep * levelled;
-            v += p.take_up * (Vec3::from_array(p.wind_step) - v);
+            // Near the scalp the air stands still between the hairs.
+            let exposed = from_root / (from_root + SHELTER);
+            v += p.take_up * (exposed * Vec3::from_array(p.wind_step) - v);
             let aside = x - before.apply(s.rest[k].xyz());
             let swing = (from_root * from_root + aside.length_squared()).sqrt();
             let pendulum = -aside * (gravity_step.length() / swing.max(MIN_EDGE));
