@@ -80,8 +80,8 @@ pub fn convert(
         // A mesh is refused here, by the reader that knows what to say.
         Contents::Strands | Contents::Mesh => {
             let mut import = read_strands(input, watch)?;
+            let space_reason = options.input.reason(import.space, std::mem::take(&mut import.space_reason));
             import.space = options.input.decide(import.space);
-            let space_reason = std::mem::take(&mut import.space_reason);
             let mut warnings = std::mem::take(&mut import.warnings);
             let placed = import.place();
             warnings.extend(placed.warnings);

@@ -31,7 +31,15 @@ impl ImportOptions {
     /// A guess, corrected by what was decided.
     pub fn decide(self, guess: Space) -> Space {
         let space = guess.with_up(self.up.unwrap_or(guess.up));
-        Space { unit: self.unit.unwrap_or(space.unit), front: self.front.unwrap_or(space.front), ..space }
+        // A face cannot look up.
+        let front = self.front.filter(|front| front.vector().dot(space.up.vector()) == 0.0);
+        Space { unit: self.unit.unwrap_or(space.unit), front: front.unwrap_or(space.front), ..space }
+    }
+
+    /// How the space was found: the guess's own words, unless a person decided otherwise.
+    pub(crate) fn reason(self, guess: Space, words: String) -> String {
+        let space = self.decide(guess);
+        if space == guess { words } else { format!("{}: as was asked for", space.describe()) }
     }
 }
 
@@ -82,9 +90,10 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
         let apart = (options.decide(hair_alone), head_alone);
         if are_around(&hair, head, together, together) {
             (hair.space, head.space) = (together, together);
-            hair.space_reason = both.reason;
+            hair.space_reason = options.reason(both.space, both.reason);
         } else if are_around(&hair, head, apart.0, apart.1) {
             (hair.space, head.space) = apart;
+            hair.space_reason = options.reason(hair_alone, std::mem::take(&mut hair.space_reason));
             head_space = Some(head.space);
             warnings.push(format!(
                 "hair and head are in different spaces: hair in {} with {} up, head in {} with {} up",
@@ -95,13 +104,14 @@ pub fn groom_of(mut hair: StrandImport, mut head: Option<MeshImport>, options: I
             ));
         } else {
             (hair.space, head.space) = (together, together);
-            hair.space_reason = both.reason;
+            hair.space_reason = options.reason(both.space, both.reason);
             warnings.push(
                 "the hair does not lie around the head: the two files may not belong together, or differ in unit or axis"
                     .to_owned(),
             );
         }
     } else {
+        hair.space_reason = options.reason(hair.space, std::mem::take(&mut hair.space_reason));
         hair.space = options.decide(hair.space);
     }
 

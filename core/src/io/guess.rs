@@ -37,12 +37,7 @@ impl Space {
                 unit.label().to_lowercase()
             )
         });
-        let reason = format!(
-            "{}, {} up, {} front: {size_reason}; {up_reason}",
-            unit.label(),
-            up.name().to_uppercase(),
-            front.name().to_uppercase()
-        );
+        let reason = format!("{}: {size_reason}; {up_reason}", space.describe());
         Guess { space, reason, warning }
     }
 }

@@ -164,6 +164,11 @@ impl Space {
         Self { unit, up, front: up.usual_front() }
     }
 
+    /// In words: "Metres, Y up, Z front".
+    pub fn describe(self) -> String {
+        format!("{}, {} up, {} front", self.unit.label(), self.up.label(), self.front.label())
+    }
+
     /// The same unit with another up axis and the front that is usual for it.
     pub fn with_up(self, up: Axis) -> Self {
         if self.up == up { self } else { Self::new(self.unit, up) }

@@ -1,6 +1,6 @@
 //! Files that other programs wrote, where they are at hand.
 
-use super::super::{Axis, ImportOptions, Unit, import_groom, info, read_mesh, read_strands};
+use super::super::{Axis, ImportOptions, Space, Unit, import_groom, info, read_mesh, read_strands};
 use super::shared_file;
 use crate::groom::Source;
 use crate::io::Watch;
@@ -54,6 +54,14 @@ fn what_a_person_decides_is_not_guessed() {
     let options = ImportOptions { unit: Some(Unit::Inch), up: Some(Axis::Z), front: None };
     let import = import_groom(&hair, None, options, Watch::default()).expect("a good file");
     assert_eq!((import.space.unit, import.space.up, import.space.front), (Unit::Inch, Axis::Z, Axis::NegY));
+}
+
+#[test]
+fn a_face_cannot_look_up() {
+    let options = ImportOptions { up: Some(Axis::Z), front: Some(Axis::NegZ), ..ImportOptions::default() };
+    assert_eq!(options.decide(Space::default()).front, Axis::NegY);
+    assert!(options.reason(Space::default(), "guessed".to_owned()).contains("Z up, -Y front: as was asked for"));
+    assert_eq!(ImportOptions::default().reason(Space::default(), "guessed".to_owned()), "guessed");
 }
 
 #[test]
