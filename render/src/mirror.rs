@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use lorelei_core::binding::{LayerBinding, bind_layer};
+use lorelei_core::clumps::Clumps;
 use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::generate::Lod;
 use lorelei_core::groom::{Groom, Head, Layer, Source};
@@ -318,9 +319,9 @@ impl LayerMirror {
         if same_style {
             return;
         }
-        let mut binding = LayerBinding::clone(&self.binding);
-        binding.restyle(&layer.style);
-        if binding.clumps != self.binding.clumps {
+        if Clumps::sizes_of(&layer.style) != self.binding.clumps.sizes {
+            let mut binding = LayerBinding::clone(&self.binding);
+            binding.restyle(&layer.style);
             self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
             self.binding = Arc::new(binding);
         }
