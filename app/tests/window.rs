@@ -238,9 +238,19 @@ impl<'a> Studio<'a> {
         studio.wait("the window", |_| true);
         studio.window = studio.xdotool(&["search", "--sync", "--onlyvisible", "--name", "Lorelei"]);
         studio.window = studio.window.lines().next().unwrap_or_default().to_owned();
-        // There is no window manager: keys go where the focus was put.
-        studio.xdotool(&["windowfocus", "--sync", &studio.window.clone()]);
+        // There is no window manager: events go where the focus was put, once the window is ready for it.
+        studio.wait("a picture to focus on", |state| state["still"] == true);
+        studio.focus();
         studio
+    }
+
+    fn focus(&mut self) {
+        let start = Instant::now();
+        while self.state()["focused"] != true {
+            self.xdotool(&["windowfocus", &self.window.clone()]);
+            assert!(start.elapsed() < LIMIT, "the window takes no focus");
+            std::thread::sleep(Duration::from_millis(200));
+        }
     }
 
     fn xdotool(&self, arguments: &[&str]) -> String {
@@ -257,21 +267,29 @@ impl<'a> Studio<'a> {
         self.xdotool(&["type", "--delay", "30", text]);
     }
 
-    /// Press, move in steps as a hand does, release.
-    fn drag(&self, button: u32, from: (f64, f64), to: (f64, f64)) {
+    /// Press, move in steps as a hand does, release; each once the studio has seen the one before.
+    fn drag(&mut self, button: u32, from: (f64, f64), to: (f64, f64)) {
         let button = button.to_string();
-        let move_to = |share: f64| {
-            let at = |a: f64, b: f64| (a + share * (b - a)).round().to_string();
-            self.xdotool(&["mousemove", &at(from.0, to.0), &at(from.1, to.1)]);
-        };
-        move_to(0.0);
-        let hovered = self.state()["frame"].clone();
-        assert!(hovered.is_number());
+        self.move_to(from);
         self.xdotool(&["mousedown", &button]);
-        for step in 1..=12 {
-            move_to(f64::from(step) / 12.0);
+        self.wait("the press", |state| state["pointer_down"] == true);
+        for step in 1..=4 {
+            let share = f64::from(step) / 4.0;
+            self.move_to((from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1)));
         }
         self.xdotool(&["mouseup", &button]);
+        self.wait("the release", |state| state["pointer_down"] == false);
+    }
+
+    fn move_to(&mut self, (x, y): (f64, f64)) {
+        let (x, y) = (x.round(), y.round());
+        self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
+        self.wait("the pointer", |state| {
+            state["pointer"].is_array() && {
+                let [px, py] = numbers(&state["pointer"]);
+                (px - x).abs() < 1.5 && (py - y).abs() < 1.5
+            }
+        });
     }
 
     /// The state that was reported last; null before the first.

@@ -219,7 +219,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
 /// The groom to render, and what is to be said about it.
 fn open(file: Option<&Path>, head: Option<&Path>, read_as: ReadAs) -> Result<(Groom, Vec<String>), CliError> {
     let Some(file) = file else {
-        let mut groom = crate::stage::default_groom();
+        let mut groom = lorelei_assets::default_groom();
         let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
         return Ok((groom, warnings.unwrap_or_default()));
     };

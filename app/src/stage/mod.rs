@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::{Groom, Head, Source};
+use lorelei_core::groom::{Groom, Source};
 use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_render::{FrameInput, RenderError, Renderer};
@@ -286,12 +286,6 @@ fn copy_to_shown(
     if let Some(shown) = shown {
         encoder.copy_texture_to_texture(output.as_image_copy(), shown.as_image_copy(), output.size());
     }
-}
-
-/// What the studio opens with where no file is given.
-pub fn default_groom() -> Groom {
-    let head = Head::new("Mannequin", lorelei_assets::head());
-    Groom { head: Some(head), ..Groom::default() }
 }
 
 /// Below the neck's joint, a bust is no part of the portrait, centimetres.

@@ -72,7 +72,7 @@ pub fn default_layout() -> Tree<Panel> {
     );
     let viewport = tiles.insert_pane(Panel::Viewport);
     let mut all = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
-    for (child, share) in [(left, 0.20), (viewport, 0.585), (right, 0.215)] {
+    for (child, share) in [(left, 0.205), (viewport, 0.565), (right, 0.23)] {
         all.shares.set_share(child, share);
     }
     let root = tiles.insert_container(Container::Linear(all));

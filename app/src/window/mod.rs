@@ -61,6 +61,8 @@ enum Question {
 enum Next {
     Close,
     New,
+    /// An embedded hairstyle as a new document.
+    Hairstyle(&'static str),
     AskForFile,
     Open(std::path::PathBuf),
 }
@@ -185,10 +187,22 @@ impl Studio {
     /// Open the default groom on a thread: its strands are made when it opens.
     fn start_default(&mut self, ctx: &egui::Context) {
         self.jobs.start(ctx, "Opening the default groom", |_| Done::Opened {
-            groom: Box::new(crate::stage::default_groom()),
+            groom: Box::new(lorelei_assets::default_groom()),
             path: None,
             source: std::path::PathBuf::new(),
             notes: Vec::new(),
+        });
+    }
+
+    fn start_hairstyle(&mut self, ctx: &egui::Context, key: &'static str) {
+        self.jobs.start(ctx, format!("Opening {key}"), move |_| match lorelei_assets::hairstyle(key) {
+            Some(groom) => Done::Opened {
+                groom: Box::new(groom),
+                path: None,
+                source: std::path::PathBuf::new(),
+                notes: Vec::new(),
+            },
+            None => Done::Failed { title: format!("Could not open {key}"), why: "it is not embedded".to_owned() },
         });
     }
 
@@ -572,7 +586,7 @@ impl eframe::App for Studio {
             ctx.request_repaint_after_secs(10.0);
         }
         if let Some(mut report) = self.state_report.take() {
-            match report.write(self) {
+            match report.write(self, &ctx) {
                 Ok(()) => self.state_report = Some(report),
                 Err(why) => log::error!("--report-state: {why}"),
             }

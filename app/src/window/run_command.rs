@@ -131,6 +131,7 @@ impl Studio {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Next::New => self.start_default(ctx),
+            Next::Hairstyle(key) => self.start_hairstyle(ctx, key),
             Next::AskForFile => self.choose(ctx, Purpose::Open),
             Next::Open(path) => self.start_opening(ctx, &path, None),
         }

@@ -36,6 +36,17 @@ fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
             studio.desk.asked.push(row.command);
             ui.close();
         }
+        if matches!(row.command, Command::New) {
+            ui.menu_button("New from", |ui| {
+                for key in lorelei_assets::hairstyle_names() {
+                    if ui.button(*key).clicked() {
+                        let ctx = ui.ctx().clone();
+                        studio.ask_or_go_on(&ctx, Next::Hairstyle(key));
+                        ui.close();
+                    }
+                }
+            });
+        }
         if matches!(row.command, Command::Open) {
             recent(ui, studio);
         }

@@ -12,7 +12,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     egui::Grid::new("numbers").num_columns(2).spacing([18.0, 3.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
             ui.label(RichText::new(name).color(theme::TEXT_WEAK));
-            ui.label(value);
+            ui.add(egui::Label::new(value).truncate());
             ui.end_row();
         };
         let drawn = if report.lod < 0.999 {

@@ -37,6 +37,9 @@ impl Change {
     }
 }
 
+/// Longer units would not leave room for the number, bytes.
+const LONGEST_UNIT: usize = 6;
+
 /// Share of a row that its name takes.
 const NAME_SHARE: f32 = 0.47;
 
@@ -108,7 +111,8 @@ pub fn integer(ui: &mut Ui, value: &mut u32, (min, max): (u32, u32), unit: &str)
 
 /// The control over the rest of the row, its unit after the number.
 fn field(ui: &mut Ui, control: DragValue<'_>, unit: &str) -> Response {
-    let suffix = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    // A long unit is told by the name's tooltip instead.
+    let suffix = if unit.is_empty() || unit.len() > LONGEST_UNIT { String::new() } else { format!(" {unit}") };
     let size = vec2(ui.available_width(), theme::ROW);
     ui.add_sized(size, control.suffix(suffix))
 }
@@ -129,7 +133,8 @@ fn fill(ui: &Ui, response: Response, share: f32) -> Response {
 pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Option<Change> {
     let is_changed = default.is_some_and(|default| default != param.value.to_text());
     let (label, unit, range) = (param.label, param.unit, (param.min, param.max));
-    let (is_reset, response) = form_row(ui, label, param.help, is_changed, |ui| match &mut param.value {
+    let help = if unit.len() > LONGEST_UNIT { format!("{}, in {unit}", param.help) } else { param.help.to_owned() };
+    let (is_reset, response) = form_row(ui, label, &help, is_changed, |ui| match &mut param.value {
         ParamValue::F32(value) => number(ui, value, range, unit),
         ParamValue::U32(value) => integer(ui, value, (range.0 as u32, range.1 as u32), unit),
         ParamValue::Colour(rgb) => colour(ui, rgb),
