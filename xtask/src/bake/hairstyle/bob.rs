@@ -35,8 +35,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             let growth = Growth {
                 length: down * 1.12 + lerp(7.0, 1.2, root.along),
                 lift: lerp(0.3, 0.18, root.along),
-                fall: 0.06,
-                weight: 0.016,
+                fall: 0.10,
+                weight: 0.022,
                 clearance: lerp(1.5, 0.4, root.along),
                 clear_over: lerp(5.5, 3.5, root.along),
             };
@@ -81,8 +81,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             op(StyleKind::Deviate { share: 0.06, amplitude: 0.9, lift: 0.2 }),
         ],
         material: HairMaterial {
-            eumelanin: 0.55,
-            pheomelanin: 1.3,
+            eumelanin: 0.4,
+            pheomelanin: 1.1,
             tip_lightening: 0.2,
             colour_variation: 0.2,
             ..HairMaterial::default()

@@ -67,7 +67,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             op(StyleKind::Deviate { share: 0.05, amplitude: 0.8, lift: 0.4 }),
         ],
         material: HairMaterial {
-            eumelanin: 3.0,
+            eumelanin: 2.0,
             pheomelanin: 0.3,
             colour_variation: 0.15,
             tip_lightening: 0.25,

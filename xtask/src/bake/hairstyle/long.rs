@@ -34,10 +34,10 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             let down = (root.position.y - end).max(6.0);
             let growth = Growth {
                 length: down * 1.03 + lerp(6.5, 1.0, root.along),
-                lift: lerp(0.26, 0.16, root.along),
-                fall: 0.05,
-                weight: 0.012,
-                clearance: lerp(1.15, 0.35, root.along),
+                lift: lerp(0.30, 0.16, root.along),
+                fall: 0.085,
+                weight: 0.018,
+                clearance: lerp(1.05, 0.35, root.along),
                 clear_over: lerp(4.5, 3.0, root.along),
             };
             (flow, growth)
@@ -69,8 +69,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             op(StyleKind::Deviate { share: 0.06, amplitude: 1.0, lift: 0.1 }),
         ],
         material: HairMaterial {
-            eumelanin: 1.15,
-            pheomelanin: 0.35,
+            eumelanin: 0.8,
+            pheomelanin: 0.3,
             tip_lightening: 0.25,
             colour_variation: 0.2,
             ..HairMaterial::default()

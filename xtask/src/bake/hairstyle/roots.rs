@@ -15,6 +15,8 @@ use crate::bake::sdf::smoothstep;
 
 /// Side of a density map in texels: 0.1 cm a texel.
 const MAP_SIZE: u32 = 512;
+/// How far each side's roots reach over the parting, centimetres: roots show along it, but no bald stripe.
+const PARTING_OVERLAP: f32 = 0.22;
 
 /// The scalp's chart, its border in order and its scale.
 pub struct ScalpChart {
@@ -168,9 +170,12 @@ impl ScalpChart {
                 front + total - reach - (front + total - reach - nape) * back
             };
             let end = self.border_at(target);
+            // None where the parting ends: a folded face would send its strands anywhere.
+            let overlap =
+                PARTING_OVERLAP * smoothstep(0.0, 0.12, back) * smoothstep(layout.parted, layout.parted - 0.12, back);
             let begin = if back < layout.parted {
                 let across = (crown_uv - front_uv).perp().normalize() * -side;
-                front_uv.lerp(crown_uv, (back / layout.parted).powf(0.9)) + 0.04 * self.scale * across
+                front_uv.lerp(crown_uv, (back / layout.parted).powf(0.9)) - overlap * self.scale * across
             } else {
                 crown_uv + 0.15 * self.scale * (end - crown_uv).normalize()
             };
