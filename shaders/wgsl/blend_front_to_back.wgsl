@@ -8,10 +8,10 @@
 struct Blend {
     // Premultiplied, of the closed buckets.
     colour: vec4<f32>,
-    // Share of the light from behind that the closed buckets stop.
-    stopped: f32,
     // The open bucket: sums weighted by coverage, and the share that it stops.
     bucket_colour: vec4<f32>,
+    // Share of the light from behind that the closed buckets stop.
+    stopped: f32,
     bucket_coverage: f32,
     bucket_stopped: f32,
 }

@@ -304,7 +304,7 @@ impl Raster {
         profile: &mut crate::profile::Profile,
     ) -> Result<(), ShaderError> {
         let make = |library: &ShaderLibrary| {
-            library.kernel(gpu, "raster_fine", "fine", &[], &[slot::transparency(transparency)])
+            library.kernel(gpu, fine_file(gpu), "fine", &[], &[slot::transparency(transparency)])
         };
         if let Some(kernel) = self.fine.get_mut(&transparency) {
             kernel.refresh(library, make);
@@ -346,6 +346,17 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
     let size = size.max(16);
     if buffer.size() < size || buffer.size() > 4 * size.max(1 << 20) {
         *buffer = gpu.buffer("raster", size, STORAGE);
+    }
+}
+
+/// A thread a pixel for GPUs; a thread a tile for drivers that run on a CPU.
+fn fine_file(gpu: &Gpu) -> &'static str {
+    match gpu.adapter_info.device_type {
+        wgpu::DeviceType::Cpu => "raster_fine_cpu",
+        wgpu::DeviceType::Other
+        | wgpu::DeviceType::IntegratedGpu
+        | wgpu::DeviceType::DiscreteGpu
+        | wgpu::DeviceType::VirtualGpu => "raster_fine",
     }
 }
 
