@@ -59,6 +59,7 @@ fn a_session_with_real_events_keeps_what_was_saved() {
 
     // Switch shadows off through the palette.
     studio.key("F3");
+    studio.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
     studio.type_text("switch shadows");
     studio.key("Return");
     let dark = studio.wait("shadows off", |state| state["look"]["shadowing"] == "off" && state["still"] == true);
@@ -92,6 +93,7 @@ fn a_session_with_real_events_keeps_what_was_saved() {
 
     // Save as, with the studio's own dialog.
     studio.key("ctrl+shift+s");
+    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
     studio.key("ctrl+a");
     studio.type_text("other\n");
     let renamed =

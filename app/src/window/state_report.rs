@@ -21,7 +21,7 @@ impl StateReport {
 
     /// Append the state to the file where it is news.
     pub fn write(&mut self, studio: &Studio, ctx: &egui::Context) -> std::io::Result<()> {
-        let state = ctx.input(|input| describe(studio, input)).to_string();
+        let state = describe(studio, ctx, &ctx.input(Clone::clone)).to_string();
         if state == self.last {
             return Ok(());
         }
@@ -32,7 +32,7 @@ impl StateReport {
     }
 }
 
-fn describe(studio: &Studio, input: &egui::InputState) -> serde_json::Value {
+fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState) -> serde_json::Value {
     let desk = &studio.desk;
     let groom = &desk.document.groom;
     let report = &desk.report;
@@ -62,6 +62,9 @@ fn describe(studio: &Studio, input: &egui::InputState) -> serde_json::Value {
         "jobs": studio.jobs.running.len(),
         "notices": desk.notices.shown.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect::<Vec<_>>(),
         "question": studio.open_question(),
+        "palette": studio.palette.is_some(),
+        "dialog": studio.chooser.is_some(),
+        "typing": ctx.text_edit_focused(),
         "focused": input.viewport().focused.unwrap_or(false),
         "pointer": input.pointer.latest_pos().map(|at| [at.x, at.y]),
         "pointer_down": input.pointer.any_down(),
