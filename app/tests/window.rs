@@ -95,7 +95,8 @@ fn a_session_with_real_events_keeps_what_was_saved() {
     studio.key("ctrl+shift+s");
     studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
     studio.key("ctrl+a");
-    studio.type_text("other\n");
+    studio.type_text("other");
+    studio.key("Return");
     let renamed =
         studio.wait("save as", |state| state["path"].as_str().is_some_and(|path| path.ends_with("other.lorelei")));
     assert_eq!(renamed["unsaved"], false);

@@ -123,14 +123,20 @@ impl FileDialog {
     fn path_bar(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         ui.horizontal(|ui| {
-            if ui.add_enabled(!self.back.is_empty(), egui::Button::new("\u{2190}")).on_hover_text("Back").clicked()
+            if ui
+                .add_enabled(!self.back.is_empty(), egui::Button::new("Back"))
+                .on_hover_text("The folder before")
+                .clicked()
                 && let Some(folder) = self.back.pop()
             {
                 self.enter(&ctx, folder);
                 self.back.pop();
             }
             let parent = self.folder.parent().map(Path::to_owned);
-            if ui.add_enabled(parent.is_some(), egui::Button::new("\u{2191}")).on_hover_text("Up (Backspace)").clicked()
+            if ui
+                .add_enabled(parent.is_some(), egui::Button::new("Up"))
+                .on_hover_text("The folder around this one (Backspace)")
+                .clicked()
                 && let Some(parent) = parent
             {
                 self.enter(&ctx, parent);
@@ -365,8 +371,8 @@ fn header(ui: &mut Ui, order: &mut Order, is_descending: &mut bool) {
         let cell = egui::Rect::from_x_y_ranges(left..=right, rect.y_range());
         let response = ui.interact(cell, ui.scope_id().with(name), Sense::click());
         let arrow = match (*order == column, *is_descending) {
-            (true, false) => " \u{2191}",
-            (true, true) => " \u{2193}",
+            (true, false) => ", rising",
+            (true, true) => ", falling",
             (false, _) => "",
         };
         let small = egui::TextStyle::Small.resolve(ui.style());

@@ -148,10 +148,10 @@ fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
                     if ui.small_button("\u{d7}").on_hover_text("Remove").clicked() {
                         removed = Some(op_idx);
                     }
-                    if ui.add_enabled(op_idx + 1 < n_ops, egui::Button::new("\u{2193}").small()).clicked() {
+                    if ui.add_enabled(op_idx + 1 < n_ops, egui::Button::new("Down").small()).clicked() {
                         swapped = Some((op_idx, op_idx + 1));
                     }
-                    if ui.add_enabled(op_idx > 0, egui::Button::new("\u{2191}").small()).clicked() {
+                    if ui.add_enabled(op_idx > 0, egui::Button::new("Up").small()).clicked() {
                         swapped = Some((op_idx, op_idx - 1));
                     }
                 });
