@@ -4,6 +4,8 @@ use std::sync::OnceLock;
 
 use lorelei_core::document;
 use lorelei_core::groom::{Groom, Head};
+use lorelei_core::light::three_point_rig;
+use lorelei_core::look::Look;
 
 /// Key and file of each style; the first is the default.
 const STYLES: [(&str, &[u8]); 3] = [
@@ -24,7 +26,8 @@ pub fn hairstyle_names() -> &'static [&'static str] {
 pub fn hairstyle(key: &str) -> Option<Groom> {
     let (_, bytes) = STYLES.iter().find(|(name, _)| *name == key)?;
     let groom = document::open_bytes(key, bytes).expect("the embedded hairstyles are valid documents");
-    Some(Groom { head: Some(mannequin()), ..groom })
+    // A style is shape and fibre; light and look are the studio's defaults, not those of the day it was baked.
+    Some(Groom { head: Some(mannequin()), lights: three_point_rig(), look: Look::default(), ..groom })
 }
 
 /// What the studio opens with.

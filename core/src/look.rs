@@ -224,7 +224,7 @@ impl Default for Look {
             shadowing: Shadowing::DeepOpacity,
             deep_opacity: DeepOpacityParams::default(),
             head: HeadShading::Skin,
-            skin_colour: [0.5, 0.38, 0.32],
+            skin_colour: [0.36, 0.26, 0.21],
             tonemapping: Tonemapping::Agx,
             exposure: 0.0,
             background: Background::Gradient,

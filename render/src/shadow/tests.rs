@@ -115,7 +115,10 @@ fn look_up(
         kernel.dispatch_items(&mut pass, &bindings, at.len() as u32);
     }
     gpu.queue.submit([encoder.finish()]);
-    gpu.read_buffer(&answers).unwrap()
+    // A small buffer has room to spare.
+    let mut answers: Vec<[f32; 4]> = gpu.read_buffer(&answers).unwrap();
+    answers.truncate(at.len());
+    answers
 }
 
 /// Optical depth before a point: every bit of fibre nearer to the light, weighted by what the map's texels, filter taps
