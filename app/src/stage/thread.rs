@@ -148,7 +148,8 @@ const REST_BEFORE_FULL: Duration = Duration::from_millis(250);
 const QUICK_MS: f32 = 100.0;
 /// Longest time that one frame moves the hair on: after a stall it goes on from where it was.
 const LONGEST_FRAME_SECS: f32 = 0.1;
-const COARSEST_LOD: f32 = 0.02;
+/// Fewer strands no longer look like the groom, and most of a slow frame's time is then in other passes.
+const FEWEST_STRANDS: f32 = 2000.0;
 
 fn run(shared: &Shared, gpu: Gpu) {
     let adapter = gpu.adapter_info.name.clone();
@@ -193,7 +194,8 @@ fn run(shared: &Shared, gpu: Gpu) {
         let dt_secs = pacer.tick(now, request.playback.is_playing).min(LONGEST_FRAME_SECS);
         let result = stage.frame(&request.playback, dt_secs, &request.camera, request.size, lod);
         let frame_ms = now.elapsed().as_secs_f32() * 1000.0;
-        pacer.drew(lod, frame_ms, request.moving_budget_ms);
+        let coarsest = (FEWEST_STRANDS / request.groom.n_strands().max(1) as f32).min(1.0);
+        pacer.drew(lod, frame_ms, request.moving_budget_ms, coarsest);
         let is_full = lod >= 1.0;
         let wants_picture = is_full && drawn.as_ref().is_none_or(|drawn| drawn.n_pictures != request.n_pictures);
         let picture = (wants_picture && request.n_pictures > 0).then(|| stage.read_pixels());
@@ -296,7 +298,7 @@ impl Pacer {
         if is_hurried { self.moving_lod } else { 1.0 }
     }
 
-    fn drew(&mut self, lod: f32, frame_ms: f32, budget_ms: f32) {
+    fn drew(&mut self, lod: f32, frame_ms: f32, budget_ms: f32, coarsest: f32) {
         self.last_lod = lod;
         self.last_drawn = Some(Instant::now());
         if lod >= 1.0 {
@@ -306,7 +308,7 @@ impl Pacer {
             self.full_ms = self.full_ms.min(frame_ms / lod);
         }
         let wanted = (budget_ms / frame_ms.max(0.1)).clamp(0.5, 1.6) * lod;
-        self.moving_lod = if budget_ms >= self.full_ms { 1.0 } else { wanted.clamp(COARSEST_LOD, 1.0) };
+        self.moving_lod = if budget_ms >= self.full_ms { 1.0 } else { wanted.clamp(coarsest, 1.0) };
     }
 
     fn wants_full(&self) -> bool {
@@ -329,13 +331,13 @@ mod tests {
         let mut lod = 1.0;
         for _ in 0..20 {
             // 200 ms for every strand, 10 ms for the rest.
-            slow.drew(lod, 10.0 + 200.0 * lod, 50.0);
+            slow.drew(lod, 10.0 + 200.0 * lod, 50.0, 0.02);
             lod = slow.moving_lod;
         }
         assert!((10.0 + 200.0 * lod) < 55.0 && lod > 0.15, "{lod}");
         assert!(slow.wants_full());
         let mut fast = Pacer::default();
-        fast.drew(0.1, 2.0, 50.0);
+        fast.drew(0.1, 2.0, 50.0, 0.02);
         assert_eq!(fast.moving_lod, 1.0);
     }
 }
