@@ -3,7 +3,9 @@
 //! **Convention.** A fibre of diameter D under irradiance E (measured across the light's direction) shows, averaged
 //! over its width, the radiance
 //!
-//!     L(omega_r) = S(omega_i, omega_r) cos(theta_i) E
+//! ```text
+//! L(omega_r) = S(omega_i, omega_r) cos(theta_i) E
+//! ```
 //!
 //! with theta the inclination from the plane across the fibre, positive towards the tip, and phi the azimuth between
 //! light and eye (0: both on one side). So a smooth fibre that absorbs nothing has S = N(phi) delta(theta_i + theta_r) /
