@@ -83,8 +83,10 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
             let middle = (vec2<f32>(f32(column), f32(row)) + 0.5) * TILE;
             let t = clamp(dot(middle - line.xy, u) / length, 0.0, 1.0);
             let coarse = vec2<u32>(middle / COARSE);
-            let front = bitcast<f32>(~fronts[coarse.y * raster.n_coarse.x + coarse.x]);
-            let behind = select(mix(span.y, span.z, t) - front, 0.0, fronts[coarse.y * raster.n_coarse.x + coarse.x] == 0u);
+            let coarse_idx = coarse.y * raster.n_coarse.x + coarse.x;
+            let of_samples = fronts[coarse_idx];
+            let front = select(of_samples, fronts[coarse_idx + raster.n_coarse.x * raster.n_coarse.y], of_samples == 0u);
+            let behind = select(mix(span.y, span.z, t) - bitcast<f32>(~front), 0.0, front == 0u);
             let bucket = bucket_of(behind);
             let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
 #ifdef SCATTER

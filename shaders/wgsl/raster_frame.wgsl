@@ -40,7 +40,7 @@ const NO_VERTEX: u32 = 0xFFFFFFFFu;
 const TILE: f32 = 8.0;
 const COARSE: f32 = 32.0;
 // Depth buckets of a tile. A list entry is a vertex in the low 26 bits and its bucket in the high 6.
-const N_BUCKETS: u32 = 32u;
+const N_BUCKETS: u32 = 64u;
 const ENTRY_BITS: u32 = 26u;
 
 // The first vertex of the segment of a thread, NO_VERTEX where a strand has ended.
@@ -56,4 +56,17 @@ fn segment_of(item: u32) -> u32 {
         left -= n;
     }
     return NO_VERTEX;
+}
+
+// Whether a vertex is on one of the strands that stand for all: one in sixteen, spread over the scalp, since strands
+// are in the order of the level of detail.
+fn is_sample(vertex: u32) -> bool {
+    for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
+        let layer = raster_layers[layer_idx];
+        let n = layer.n_strands * layer.vertices_per_strand;
+        if vertex >= layer.first_vertex && vertex - layer.first_vertex < n {
+            return ((vertex - layer.first_vertex) / layer.vertices_per_strand) % 16u == 0u;
+        }
+    }
+    return false;
 }

@@ -1,13 +1,14 @@
 // Segments in pixels, one thread each, and how near the hair comes in each coarse tile.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, segment_of, NO_VERTEX, COARSE}
+#import lorelei::raster_frame::{raster, segment_of, is_sample, NO_VERTEX, COARSE}
 
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
 // Origin and unit direction in pixels, at the index of the segment's first vertex.
 @group(0) @binding(auto) var<storage, read_write> lines: array<vec4<f32>>;
 // Length in pixels (0: not drawn), view depth at both ends, half widths in pixels as two half floats.
 @group(0) @binding(auto) var<storage, read_write> spans: array<vec4<f32>>;
-// Bits of the nearest depth, inverted: 0 is empty and the nearest is the largest.
+// Bits of the nearest depth, inverted: 0 is empty and the nearest is the largest. First of the samples, then of all:
+// one stray strand before a lock must not take the fine buckets away from the lock.
 @group(0) @binding(auto) var<storage, read_write> fronts: array<atomic<u32>>;
 
 @compute @workgroup_size(64)
@@ -44,8 +45,12 @@ fn setup(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
     let coarse = vec2<u32>(clamp(middle, vec2<i32>(0), vec2<i32>(raster.n_coarse) - 1));
     let front = ~bitcast<u32>(min(a.z, b.z));
     let at = coarse.y * raster.n_coarse.x + coarse.x;
+    let of_all = at + raster.n_coarse.x * raster.n_coarse.y;
     // Most segments are behind the front: reading first saves their atomics.
-    if front > atomicLoad(&fronts[at]) {
+    if front > atomicLoad(&fronts[of_all]) {
+        atomicMax(&fronts[of_all], front);
+    }
+    if front > atomicLoad(&fronts[at]) && is_sample(vertex) {
         atomicMax(&fronts[at], front);
     }
 }

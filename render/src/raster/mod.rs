@@ -31,7 +31,7 @@ use crate::view::View;
 const TILE: u32 = 8;
 const COARSE: u32 = 32;
 /// Twin of `N_BUCKETS`.
-const N_BUCKETS: u64 = 32;
+const N_BUCKETS: u64 = 64;
 /// A list entry keeps its vertex in 26 bits.
 const MAX_VERTICES: u32 = 1 << 26;
 /// Parts that the list may be made in. One is enough but for a groom of few, very long segments.
@@ -192,7 +192,7 @@ impl Raster {
             fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
-            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 4);
+            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 8);
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
             fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
             fit(gpu, &mut self.tiles, n_all_tiles * 16);
