@@ -12,7 +12,8 @@
 //! Buckets are finest at the front of the hair in the tile's neighbourhood, where a pixel still lets light through.
 //! Segments behind a tile that is all head are never listed. The list is never too short: see raster_alloc.wgsl.
 //!
-//! Rejected: one thread a segment with atomics on the pixel (a global atomic per fragment and channel, two passes over
+//! Rejected: one thread a tile, for drivers that run on a CPU (twice as fast there, but Mesa's llvmpipe ends a thread's
+//! loops after 65,535 iterations in all, and a dense tile needs more: it left hair out); one thread a segment with atomics on the pixel (a global atomic per fragment and channel, two passes over
 //! all fragments for their order); accumulators in workgroup memory (two barriers for every 64 segments); sorting
 //! fragments (tens of millions a frame).
 
@@ -304,7 +305,7 @@ impl Raster {
         profile: &mut crate::profile::Profile,
     ) -> Result<(), ShaderError> {
         let make = |library: &ShaderLibrary| {
-            library.kernel(gpu, fine_file(gpu), "fine", &[], &[slot::transparency(transparency)])
+            library.kernel(gpu, "raster_fine", "fine", &[], &[slot::transparency(transparency)])
         };
         if let Some(kernel) = self.fine.get_mut(&transparency) {
             kernel.refresh(library, make);
@@ -346,17 +347,6 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
     let size = size.max(16);
     if buffer.size() < size || buffer.size() > 4 * size.max(1 << 20) {
         *buffer = gpu.buffer("raster", size, STORAGE);
-    }
-}
-
-/// A thread a pixel for GPUs; a thread a tile for drivers that run on a CPU.
-fn fine_file(gpu: &Gpu) -> &'static str {
-    match gpu.adapter_info.device_type {
-        wgpu::DeviceType::Cpu => "raster_fine_cpu",
-        wgpu::DeviceType::Other
-        | wgpu::DeviceType::IntegratedGpu
-        | wgpu::DeviceType::DiscreteGpu
-        | wgpu::DeviceType::VirtualGpu => "raster_fine",
     }
 }
 
