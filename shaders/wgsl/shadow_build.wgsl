@@ -21,10 +21,21 @@ override PASS: u32 = 0u;
 @group(0) @binding(auto) var<storage, read_write> shadow_front: array<atomic<u32>>;
 // Opacity of each layer alone, fixed point; the layers of a texel side by side.
 @group(0) @binding(auto) var<storage, read_write> shadow_opacity: array<atomic<u32>>;
+// What of the head each light sees.
+@group(0) @binding(auto) var shadow_head: texture_depth_2d_array;
+
+// Centimetres behind the head's front from which hair is on the far side, and not lying on the skin.
+const FAR_SIDE: f32 = 1.0;
 
 fn deposit(light_idx: u32, texel: vec2<i32>, depth: f32, opacity: f32) {
     let resolution = i32(shadow_params.resolution);
     if any(texel < vec2<i32>(0)) || any(texel >= vec2<i32>(resolution)) {
+        return;
+    }
+    // Hair that the head hides from the light casts nothing that the head does not, but it would fall into the last
+    // layer and darken skin that lies in front of it.
+    let head = mix(shadow_lights[light_idx].near, shadow_lights[light_idx].far, textureLoad(shadow_head, texel, light_idx, 0));
+    if depth > head + FAR_SIDE && head < shadow_lights[light_idx].far {
         return;
     }
     let at = light_idx * shadow_params.resolution * shadow_params.resolution + u32(texel.y * resolution + texel.x);

@@ -270,6 +270,7 @@ impl Shadow {
                 ("vertices", strands.vertices.as_entire_binding()),
                 ("shadow_front", maps.front.as_entire_binding()),
                 ("shadow_opacity", maps.opacity.as_entire_binding()),
+                ("shadow_head", wgpu::BindingResource::TextureView(&maps.head)),
             ];
             let front = self.kernels.front.bind_used(gpu, &resources)?;
             let opacity = self.kernels.opacity.bind_used(gpu, &resources)?;
@@ -311,6 +312,23 @@ impl Shadow {
         }
         encoder.clear_buffer(&self.maps.front, 0, None);
         encoder.clear_buffer(&self.maps.opacity, 0, None);
+        // The head first: hair that it hides from a light stays out of that light's map.
+        for (light_idx, view) in self.maps.head_of_light.iter().enumerate() {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("shadow.head"),
+                color_attachments: &[],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view,
+                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
+                    stencil_ops: None,
+                }),
+                ..wgpu::RenderPassDescriptor::default()
+            });
+            let casts = input.head_casts && input.lights.casts_shadow.get(light_idx) == Some(&true);
+            if let (true, Some(head), Some(bindings)) = (casts, &self.head, bound.heads.get(light_idx)) {
+                self.kernels.head.draw(&mut pass, bindings, head.n_indices);
+            }
+        }
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("shadow.deep_opacity"),
@@ -327,22 +345,6 @@ impl Shadow {
             }
             let side = self.maps.size.resolution.div_ceil(8);
             self.kernels.filter.dispatch(&mut pass, &bound.filter, [side, side, n_lights]);
-        }
-        for (light_idx, view) in self.maps.head_of_light.iter().enumerate() {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("shadow.head"),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view,
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
-                    stencil_ops: None,
-                }),
-                ..wgpu::RenderPassDescriptor::default()
-            });
-            let casts = input.head_casts && input.lights.casts_shadow.get(light_idx) == Some(&true);
-            if let (true, Some(head), Some(bindings)) = (casts, &self.head, bound.heads.get(light_idx)) {
-                self.kernels.head.draw(&mut pass, bindings, head.n_indices);
-            }
         }
     }
 }
