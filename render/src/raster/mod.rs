@@ -12,10 +12,10 @@
 //! Buckets are finest at the front of the hair in the tile's neighbourhood, where a pixel still lets light through.
 //! Segments behind a tile that is all head are never listed. The list is never too short: see raster_alloc.wgsl.
 //!
-//! Rejected: one thread a tile, for drivers that run on a CPU (twice as fast there, but Mesa's llvmpipe ends a thread's
-//! loops after 65,535 iterations in all, and a dense tile needs more: it left hair out); one thread a segment with atomics on the pixel (a global atomic per fragment and channel, two passes over
-//! all fragments for their order); accumulators in workgroup memory (two barriers for every 64 segments); sorting
-//! fragments (tens of millions a frame).
+//! Rejected: one thread a tile, for drivers that run on a CPU (dense tiles lost hair on llvmpipe, most likely because
+//! it bounds how often a thread may go round its loops); one thread a segment with atomics on the pixel (a global
+//! atomic per fragment and channel, two passes over all fragments for their order); accumulators in workgroup memory
+//! (two barriers for every 64 segments); sorting fragments (tens of millions a frame).
 
 use std::collections::HashMap;
 
