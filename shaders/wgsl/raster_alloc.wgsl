@@ -1,6 +1,6 @@
 // Room in the list for every tile, one thread each; within a tile, bucket after bucket from near to far.
 //
-// The list is never too short: a tile that would start beyond `round_size` entries belongs to a later round, which is
+// The list outgrows its buffer in rounds: a tile that would start beyond `round_size` entries belongs to a later round, which is
 // scattered and drawn after the earlier one into the same list. A list of `round_size` + all segments fits any tile.
 // Where tiles lie in the list depends on the order of the atomics, and matters to nobody.
 #import lorelei::raster_frame::{raster, raster_layers, Tile, N_BUCKETS}

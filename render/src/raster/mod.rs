@@ -10,7 +10,8 @@
 //!
 //! There are no barriers (the software driver's slowest instruction) and no sort: the list is made by counting.
 //! Buckets are finest at the front of the hair in the tile's neighbourhood, where a pixel still lets light through.
-//! Segments behind a tile that is all head are never listed. The list is never too short: see raster_alloc.wgsl.
+//! Segments behind a tile that is all head are never listed. The list is made in up to N_ROUNDS parts: raster_alloc.wgsl.
+//! What would need more parts is left out, silently: at most two were ever seen in use.
 //!
 //! Rejected: one thread a tile, for drivers that run on a CPU (dense tiles lost hair on llvmpipe, most likely because
 //! it bounds how often a thread may go round its loops); one thread a segment with atomics on the pixel (a global
