@@ -1,7 +1,7 @@
 //! What a layer's strands hang on: guides, each strand's root, its weights and its clumps, all at rest.
 //!
 //! Everything here changes only when the groom is edited. Per frame only the guides move, and generation
-//! (`generate.rs`, `generate.wgsl`) reads both. Strands are in their order of detail: the first n strands
+//! (`generate/`, `generate.wgsl`) reads both. Strands are in their order of detail: the first n strands
 //! of a layer are a good n strands.
 
 use glam::Vec3;

@@ -1,4 +1,4 @@
-// Strands from guides: the twin of core/src/generate.rs, function by function.
+// Strands from guides: the twin of core/src/generate/, function by function.
 //
 // One thread makes one strand from root to tip. It carries the twist-free frame, the arc length and, for its own
 // path and for its clumps' middles, the four blended control points around the present parameter: each control

@@ -1,0 +1,217 @@
+//! Strands from guides, on the CPU: the reference that `generate.wgsl` repeats with the same names.
+//!
+//! A strand is the Catmull-Rom curve through its blended guides, cut to its length, drawn into its
+//! clumps, displaced around its path by the other operators, kept out of the head, and given a width. All
+//! is evaluated directly: a strand reads the paths of its clumps' middle strands at its own parameter, so
+//! no strand waits for another. One strand is one thread's work on the GPU, because the twist-free frame
+//! and the arc length are carried from vertex to vertex.
+
+use glam::{Affine3A, Vec3};
+use rayon::prelude::*;
+
+use crate::binding::LayerBinding;
+use crate::curve::catmull_rom_weights;
+use crate::distance_field::DistanceField;
+use crate::groom::Layer;
+use crate::hash::random;
+use crate::strands::Strands;
+use crate::style::StyleOp;
+use style::{FOR_KEEP_OUT, displacement, smoothstep};
+
+mod style;
+#[cfg(test)]
+mod tests;
+
+/// What changes from frame to frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Pose<'a> {
+    pub world_from_head: Affine3A,
+    /// The head's, in head space.
+    pub field: Option<&'a DistanceField>,
+    /// Level of detail: share of the strands that are drawn, 0-1.
+    pub lod: f32,
+}
+
+impl Default for Pose<'_> {
+    fn default() -> Self {
+        Self { world_from_head: Affine3A::IDENTITY, field: None, lod: 1.0 }
+    }
+}
+
+/// Clump operators that take part; more in one stack are left out.
+pub const MOST_CLUMP_OPS: usize = 3;
+/// Operators that displace a strand and take part; more in one stack are left out.
+pub const MOST_DISPLACING_OPS: usize = 12;
+/// Distance from the head below which strands are pushed out, in centimetres; half to one and a half of
+/// it from strand to strand, so that pushed hair is no sheet.
+pub const KEEP_OUT: f32 = 0.3;
+/// Arc length over which a strand grows out of the scalp to that distance, in centimetres.
+pub const GROW_OUT: f32 = 2.0;
+/// Share of a strand, at its tip, over which it tapers (look.md: the last tenth).
+pub const TAPER: f32 = 0.1;
+/// Strands at the end of the order of detail that are getting thinner, as a share of those drawn.
+pub const LOD_FADE: f32 = 0.1;
+
+/// How many strands of a layer are drawn at a level of detail, and how wide.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lod {
+    pub n_drawn: u32,
+    /// Strand `s` has this much of its width: `scale * clamp((end - s) / fade, 0, 1)`.
+    pub scale: f32,
+    pub end: f32,
+    pub fade: f32,
+}
+
+impl Lod {
+    /// Continuous in `lod`: strands thin out before they vanish, and the others widen so that the sum of
+    /// the widths stays.
+    pub fn new(n_strands: usize, lod: f32) -> Self {
+        let n = n_strands as f32;
+        let full = (lod.clamp(0.0, 1.0) * n).max(n.min(1.0));
+        let fade = LOD_FADE * full;
+        let end = full + fade;
+        // The integral over the strands of clamp((end - s) / fade, 0, 1).
+        let cropped = (end - n).max(0.0);
+        let sum = full + (fade * fade - cropped * cropped) / (2.0 * fade).max(1e-6);
+        Self { n_drawn: (end.ceil() as u32).min(n_strands as u32), scale: n / sum.max(1e-3), end, fade: fade.max(1e-6) }
+    }
+
+    /// Width of strand `strand_idx` as a share of its width at level of detail 1.
+    pub fn width(&self, strand_idx: usize) -> f32 {
+        self.scale * ((self.end - strand_idx as f32) / self.fade).clamp(0.0, 1.0)
+    }
+}
+
+/// Make the strands of a layer from the guides' present places (world space, laid out as
+/// `binding.guides.positions`).
+pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3], pose: &Pose<'_>) -> Strands {
+    assert_eq!(guide_positions.len(), binding.guides.positions.len(), "as many guide vertices as were bound");
+    let n_vertices = layer.vertices_per_strand.clamp(4, 128) as usize;
+    let lod = Lod::new(binding.n_strands(), pose.lod);
+    let n_drawn = lod.n_drawn as usize;
+    let generator = Generator { binding, style: &layer.style, guide_positions, pose, n_vertices };
+    let mut points = vec![Vec3::ZERO; n_drawn * n_vertices];
+    points.par_chunks_exact_mut(n_vertices).enumerate().for_each(|(strand_idx, out)| generator.strand(strand_idx, out));
+    let radii_um = (0..n_drawn)
+        .flat_map(|strand_idx| {
+            let scale = binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0) * lod.width(strand_idx);
+            (0..n_vertices)
+                .map(move |v| layer.radius_um * scale * taper(v as f32 / (n_vertices - 1) as f32, layer.tip_radius))
+        })
+        .collect();
+    Strands {
+        points,
+        offsets: (0..=n_drawn as u32).map(|s| s * n_vertices as u32).collect(),
+        ids: binding.ids[..n_drawn].to_vec(),
+        radii_um,
+        root_uvs: binding.root_uvs.get(..n_drawn).unwrap_or_default().to_vec(),
+        ..Strands::default()
+    }
+}
+
+/// Radius at parameter `t` as a share of the root's.
+pub fn taper(t: f32, tip_radius: f32) -> f32 {
+    let x = ((t - (1.0 - TAPER)) / TAPER).clamp(0.0, 1.0);
+    1.0 + x * (tip_radius - 1.0)
+}
+
+struct Generator<'a> {
+    binding: &'a LayerBinding,
+    style: &'a [StyleOp],
+    guide_positions: &'a [Vec3],
+    pose: &'a Pose<'a>,
+    n_vertices: usize,
+}
+
+impl Generator<'_> {
+    /// Control point `i` of a strand, -1 and n_vertices being the mirrored ends. World space.
+    fn control(&self, strand_idx: usize, i: i32) -> Vec3 {
+        let last = self.binding.guides.n_vertices as i32 - 1;
+        if i < 0 {
+            return 2.0 * self.control(strand_idx, 0) - self.control(strand_idx, 1);
+        }
+        if i > last {
+            return 2.0 * self.control(strand_idx, last) - self.control(strand_idx, last - 1);
+        }
+        let mut p = Vec3::ZERO;
+        for influence in self.binding.influences(strand_idx) {
+            let at = influence.guide_idx * self.binding.guides.n_vertices + i as u32;
+            p += influence.weight * self.guide_positions[at as usize];
+        }
+        let left = 1.0 - smoothstep(0.0, 1.0, i as f32 / last as f32) * (1.0 - self.binding.offset_at_tip);
+        p + left * self.pose.world_from_head.transform_vector3(self.binding.root_offsets[strand_idx])
+    }
+
+    /// A strand's path before any style, at the guides' parameter `t`, 0 root to 1 tip.
+    fn path(&self, strand_idx: usize, t: f32) -> Vec3 {
+        let n_segments = self.binding.guides.n_vertices as i32 - 1;
+        let u = t * n_segments as f32;
+        let segment = (u as i32).min(n_segments - 1);
+        let w = catmull_rom_weights(u - segment as f32);
+        w[0] * self.control(strand_idx, segment - 1)
+            + w[1] * self.control(strand_idx, segment)
+            + w[2] * self.control(strand_idx, segment + 1)
+            + w[3] * self.control(strand_idx, segment + 2)
+    }
+
+    fn strand(&self, strand_idx: usize, out: &mut [Vec3]) {
+        let world_from_head = &self.pose.world_from_head;
+        let seed = self.binding.seeds[strand_idx];
+        let cut = self.cut(strand_idx);
+        let (pulls, n_pulls) = self.pulls(strand_idx);
+        let pulls = &pulls[..n_pulls];
+        let last = self.n_vertices - 1;
+        let (shapes, n_shapes) = self.shapes(strand_idx);
+        let shapes = &shapes[..n_shapes];
+        let base_at = |v: usize| self.clumped(strand_idx, pulls, cut * v as f32 / last as f32);
+
+        let normal_in_head = self.binding.root_normals[strand_idx];
+        let outwards = world_from_head.transform_vector3(normal_in_head);
+        let side = world_from_head.transform_vector3(any_tangent(normal_in_head));
+        let (mut before, mut base) = (base_at(0), base_at(0));
+        let mut tangent = outwards;
+        let mut right = side;
+        let mut arc_length = 0.0;
+        for v in 0..=last {
+            let after = if v < last { base_at(v + 1) } else { base };
+            arc_length += base.distance(before);
+            let new_tangent = (after - before).normalize_or(tangent);
+            right = transport(right, tangent, new_tangent);
+            tangent = new_tangent;
+            let up = tangent.cross(right);
+            let t = v as f32 / last as f32;
+            let offset = displacement(shapes, t, arc_length);
+            let p = base + offset.x * right + offset.y * up + offset.z * outwards;
+            out[v] = if v == 0 { p } else { self.keep_out(p, arc_length, seed) };
+            (before, base) = (base, after);
+        }
+    }
+
+    /// Push a vertex out of the head. Distances below the margin are squeezed between the skin and the
+    /// margin, in their order: what lies deeper stays deeper, and nothing is flattened.
+    fn keep_out(&self, p: Vec3, arc_length: f32, seed: u32) -> Vec3 {
+        let Some(field) = self.pose.field else { return p };
+        let in_head = self.pose.world_from_head.inverse().transform_point3(p);
+        let margin = KEEP_OUT * (0.5 + random(seed, FOR_KEEP_OUT)) * smoothstep(0.0, GROW_OUT, arc_length) + 1e-3;
+        let distance = field.sample(in_head);
+        if distance >= margin {
+            return p;
+        }
+        let wanted = margin * (distance / margin - 1.0).exp();
+        let out = field.gradient(in_head).normalize_or(Vec3::ZERO);
+        self.pose.world_from_head.transform_point3(in_head + (wanted - distance) * out)
+    }
+}
+
+/// A unit vector across `normal`: X turned by the shortest way that takes Y to `normal`. No scalp faces
+/// straight down, where this way is not unique.
+fn any_tangent(normal: Vec3) -> Vec3 {
+    let across = Vec3::X - normal.x / (1.0 + normal.y).max(1e-3) * (Vec3::Y + normal);
+    across.normalize_or(Vec3::X)
+}
+
+/// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist.
+fn transport(right: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let carried = right - right.dot(to) / (1.0 + from.dot(to)).max(1e-3) * (from + to);
+    (carried - carried.dot(to) * to).normalize_or(right)
+}

@@ -1,0 +1,297 @@
+//! Laws of tracing and styling, and what strands from every source look like.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::binding::bind_layer;
+use crate::curve::catmull_rom;
+use crate::groom::{Head, ScalpMap, Source};
+use crate::hair_mesh::tests::straight_grid;
+use crate::hair_mesh::{HairMesh, Weld};
+use crate::mean_value::mean_value_weights;
+use crate::mesh::TriMesh;
+use crate::mesh_query::tests::sphere;
+use crate::strands::polyline_length;
+use crate::style::{StyleKind, StyleOp};
+
+fn layer(mesh: HairMesh, n_strands: u32) -> Layer {
+    Layer { n_strands, vertices_per_strand: 24, ..Layer::new("test", Source::HairMesh(Arc::new(mesh))) }
+}
+
+fn make(layer: &Layer, pose: &Pose<'_>) -> (LayerBinding, Strands) {
+    let binding = bind_layer(layer, None);
+    let strands = generate(&binding, layer, &binding.guides.positions, pose);
+    (binding, strands)
+}
+
+/// A grid that leans, bends and spreads more from layer to layer.
+fn bent_grid() -> HairMesh {
+    let mut mesh = straight_grid(3, 0);
+    let all: Vec<usize> = (0..9).collect();
+    for k in 0..5 {
+        let turn = glam::Quat::from_rotation_z(-0.35 * k as f32);
+        mesh.extrude(&all, Weld::Neighbours, |v| v.position * Vec3::new(1.1, 1.0, 1.0) + turn * Vec3::Y * 2.0).unwrap();
+    }
+    mesh
+}
+
+#[test]
+fn a_straight_hair_mesh_gives_straight_parallel_strands() {
+    let (_, strands) = make(&layer(straight_grid(3, 4), 300), &Pose::default());
+    for strand in strands.iter() {
+        for (v, p) in strand.iter().enumerate() {
+            let expected = strand[0] + Vec3::Y * (4.0 * v as f32 / 23.0);
+            assert!(p.distance(expected) < 1e-4, "{p} {expected}");
+        }
+    }
+    // Weights sum to 1, and roots are on their face.
+    let (binding, _) = make(&layer(bent_grid(), 300), &Pose::default());
+    for strand_idx in 0..300 {
+        let sum: f32 = binding.influences(strand_idx).iter().map(|i| i.weight).sum();
+        assert!((sum - 1.0).abs() < 1e-5);
+        assert!(binding.root_offsets[strand_idx].length() < 1e-4);
+    }
+}
+
+#[test]
+fn strands_are_traced_as_the_paper_says() {
+    // Yuksel et al. 2009, 3.1: weights of the root in its face, applied in every layer, then the spline.
+    let mesh = bent_grid();
+    let (binding, strands) = make(&layer(mesh.clone(), 200), &Pose::default());
+    let surface = crate::roots::RootSurface::of_hair_mesh(&mesh);
+    let roots = surface.sequence(200, 0);
+    for (strand_idx, root) in roots.iter().enumerate() {
+        let bundle = root.face as usize;
+        let corners: Vec<Vec3> = (0..4).map(|c| mesh.corner_positions(bundle, c).next().unwrap()).collect();
+        let weights = mean_value_weights(&corners, root.position);
+        let control: Vec<Vec3> = (0..mesh.layers.len())
+            .map(|k| (0..4).map(|c| weights[c] * mesh.corner_positions(bundle, c).nth(k).unwrap()).sum())
+            .collect();
+        assert_eq!(binding.ids[strand_idx], strand_idx as u32);
+        let length = polyline_length(&control);
+        for p in strands.strand(strand_idx) {
+            let on_curve = (0..=1000).map(|k| catmull_rom(&control, 5.0 * k as f32 / 1000.0));
+            let nearest = on_curve.map(|q| q.distance(*p)).fold(f32::MAX, f32::min);
+            // The guides' samples meet the paper's curve at every layer; in between, the curve through the
+            // samples leaves the curve through the layers by less than this share of the length.
+            assert!(nearest < 2e-3 * length, "{nearest} of {length}");
+        }
+    }
+}
+
+#[test]
+fn strands_at_corners_run_along_their_edges() {
+    let mesh = bent_grid();
+    let mut binding = bind_layer(&layer(mesh.clone(), 16), None);
+    let chains = mesh.chains();
+    for corner in 0..4 {
+        binding.influences[corner] = crate::guides::Influence { guide_idx: chains.of_bundle[4][corner], weight: 1.0 };
+        binding.influence_offsets[corner + 1] = corner as u32 + 1;
+        binding.root_offsets[corner] = Vec3::ZERO;
+    }
+    let layer = Layer { vertices_per_strand: 16, ..layer(mesh.clone(), 16) };
+    let strands = generate(&binding, &layer, &binding.guides.positions, &Pose { lod: 0.25, ..Pose::default() });
+    assert!((4..=5).contains(&strands.n_strands()));
+    for corner in 0..4 {
+        for p in mesh.corner_positions(4, corner) {
+            let nearest = strands.strand(corner).iter().map(|q| q.distance(p)).fold(f32::MAX, f32::min);
+            assert!(nearest < 1e-4, "{nearest}");
+        }
+    }
+}
+
+fn styled(kind: StyleKind) -> Layer {
+    Layer { style: vec![StyleOp::new(kind)], ..layer(bent_grid(), 2000) }
+}
+
+#[test]
+fn every_style_kind_does_what_it_says() {
+    let (_, plain) = make(&layer(bent_grid(), 2000), &Pose::default());
+    for kind in StyleKind::DEFAULTS {
+        let styled = styled(kind);
+        let (binding, strands) = make(&styled, &Pose::default());
+        assert!(strands.points.iter().all(|p| p.is_finite()));
+        assert!(strands != plain, "{} does nothing", kind.label());
+        let off = Layer { style: vec![StyleOp { strength: 0.0, ..StyleOp::new(kind) }], ..styled.clone() };
+        assert!(make(&off, &Pose::default()).1 == plain, "{} at strength 0 does something", kind.label());
+        let mut n_moved = 0;
+        for strand_idx in 0..2000 {
+            let (a, b) = (plain.strand(strand_idx), strands.strand(strand_idx));
+            assert!(a[0].distance(b[0]) < 1e-5, "{} moves the root", kind.label());
+            n_moved += usize::from(a[23].distance(b[23]) > 1e-3);
+            let shift = a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            match kind {
+                StyleKind::Length { variation, .. } => {
+                    let ratio = polyline_length(b) / polyline_length(a);
+                    assert!((1.0 - variation - 0.05..=1.001).contains(&ratio), "{ratio}");
+                }
+                StyleKind::Clump { .. } => {
+                    let middle = binding.clumps.middle(strand_idx, Some(0));
+                    let apart = |strands: &Strands| strands.strand(strand_idx)[18].distance(strands.strand(middle)[18]);
+                    assert!(apart(&strands) <= apart(&plain) + 1e-4);
+                }
+                StyleKind::Wave { amplitude, .. } => assert!(shift <= 1.31 * amplitude),
+                StyleKind::Curl { radius, loosen, .. } => assert!(shift <= 1.21 * radius * (1.0 + loosen)),
+                StyleKind::Frizz { amplitude, .. } => assert!(shift <= 3.0 * amplitude),
+                StyleKind::Deviate { amplitude, .. } => assert!(shift <= 1.01 * amplitude),
+            }
+        }
+        let expected = match kind {
+            StyleKind::Deviate { share, .. } => 2000.0 * share,
+            // The middles stay where they are.
+            StyleKind::Length { .. }
+            | StyleKind::Clump { .. }
+            | StyleKind::Wave { .. }
+            | StyleKind::Curl { .. }
+            | StyleKind::Frizz { .. } => 1950.0,
+        };
+        assert!((n_moved as f32 - expected).abs() < 4.0 * expected.sqrt(), "{}: {n_moved}", kind.label());
+    }
+}
+
+#[test]
+fn moving_one_vertex_a_little_moves_no_strand_much() {
+    let mut style: Vec<StyleOp> = StyleKind::DEFAULTS.into_iter().map(StyleOp::new).collect();
+    style.insert(0, StyleOp::new(StyleKind::Clump { strands_per_clump: 300.0, flare: 0.0, stray: 0.2 }));
+    let styled = Layer { style, ..layer(bent_grid(), 2000) };
+    let (_, before) = make(&styled, &Pose::default());
+    for (layer_idx, vertex) in [(1, 5), (3, 6), (5, 9)] {
+        let mut mesh = bent_grid();
+        mesh.layers[layer_idx].positions[vertex] += Vec3::new(0.05, -0.06, 0.06);
+        let moved = Layer { source: Source::HairMesh(Arc::new(mesh)), ..styled.clone() };
+        let (_, after) = make(&moved, &Pose::default());
+        let far = before.points.iter().zip(&after.points).map(|(a, b)| a.distance(*b));
+        let mut far: Vec<f32> = far.collect();
+        far.sort_by(f32::total_cmp);
+        // A strand whose nearest middle changes jumps to its neighbour clump; that is one in thousands.
+        let most = far[far.len() * 995 / 1000];
+        assert!(most < 3.0 * 0.1, "1 mm became {most} cm");
+    }
+}
+
+#[test]
+fn covered_area_stays_over_levels_of_detail_and_nothing_pops() {
+    let (binding, full) = make(&layer(bent_grid(), 3000), &Pose::default());
+    let layer = layer(bent_grid(), 3000);
+    let area = |strands: &Strands| -> f32 {
+        (0..strands.n_strands())
+            .map(|s| polyline_length(strands.strand(s)) * strands.radii_um[strands.range(s).start])
+            .sum()
+    };
+    let at = |lod| generate(&binding, &layer, &binding.guides.positions, &Pose { lod, ..Pose::default() });
+    for step in 1..=20 {
+        let lod = 0.05 * step as f32;
+        let ratio = area(&at(lod)) / area(&full);
+        assert!((ratio - 1.0).abs() < 0.03, "{ratio} at {lod}");
+    }
+    for lod in [0.1, 0.3337, 0.8, 0.999] {
+        let (a, b) = (at(lod), at(lod + 1e-3));
+        for s in 0..b.n_strands() {
+            let width = |strands: &Strands| strands.radii_um.get(s * 24).copied().unwrap_or(0.0);
+            // The detail grows by a share of itself; no width changes by more than a dozen such shares.
+            assert!(
+                (width(&a) - width(&b)).abs() < 12.0 * (1e-3 / lod) * layer.radius_um / lod,
+                "{s} {} {}",
+                width(&a),
+                width(&b)
+            );
+        }
+    }
+    assert_eq!(at(1.0).radii_um[0], layer.radius_um);
+    assert!(at(0.0).n_strands() <= 2);
+}
+
+#[test]
+fn strands_stay_out_of_the_head_in_their_order_and_turn_with_it() {
+    let head = Head::new("ball", sphere(Vec3::ZERO, 8.0, 64));
+    let field = DistanceField::from_mesh(&head.mesh, 64).unwrap();
+    // A patch on top that lies over the ball and sinks into it.
+    let mut mesh = straight_grid(4, 0);
+    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 6.0).normalize());
+    let all: Vec<usize> = (0..16).collect();
+    for k in 1..6 {
+        let deep = 8.2 - 0.4 * k as f32;
+        mesh.extrude(&all, Weld::Neighbours, |v| (glam::Quat::from_rotation_x(0.3) * v.position).normalize() * deep)
+            .unwrap();
+    }
+    let layer = Layer { vertices_per_strand: 32, ..layer(mesh, 1000) };
+    let binding = bind_layer(&layer, Some(&head));
+    let rest = Pose { field: Some(&field), ..Pose::default() };
+    let free = generate(&binding, &layer, &binding.guides.positions, &Pose::default());
+    let kept = generate(&binding, &layer, &binding.guides.positions, &rest);
+    let n_inside = |strands: &Strands| strands.points.iter().filter(|p| p.length() < 7.95).count();
+    assert!(n_inside(&free) > free.n_points() / 3);
+    assert_eq!(n_inside(&kept), 0);
+    assert!(binding.roots.iter().all(|root| (root.length() - 8.0).abs() < 0.02));
+    assert!((0..1000).all(|s| kept.strand(s)[0].distance(binding.roots[s]) < 1e-4));
+
+    let world_from_head =
+        Affine3A::from_rotation_translation(glam::Quat::from_rotation_y(1.0), Vec3::new(3.0, 1.0, 2.0));
+    let guides: Vec<Vec3> = binding.guides.positions.iter().map(|p| world_from_head.transform_point3(*p)).collect();
+    let turned = generate(&binding, &layer, &guides, &Pose { world_from_head, ..rest });
+    for (a, b) in kept.points.iter().zip(&turned.points) {
+        assert!(world_from_head.transform_point3(*a).distance(*b) < 1e-3);
+    }
+}
+
+#[test]
+fn a_painted_map_places_every_strand_where_it_is_painted() {
+    let mut ball = sphere(Vec3::ZERO, 8.0, 64);
+    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
+    let head = Head::new("ball", ball);
+    let mut mesh = straight_grid(4, 0);
+    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
+    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    // A strip one twentieth of the ball wide.
+    let texels = (0..40 * 40).map(|i| if i % 40 == 22 || i % 40 == 23 { 255 } else { 0 }).collect();
+    let map = ScalpMap { width: 40, height: 40, texels };
+    let layer = Layer { density: Some(Arc::new(map)), ..layer(mesh, 3000) };
+    let binding = bind_layer(&layer, Some(&head));
+    assert_eq!(binding.n_strands(), 3000);
+    for uv in &binding.root_uvs {
+        assert!((21.5 / 40.0..24.5 / 40.0).contains(&uv[0]), "{uv:?}");
+    }
+    let empty = ScalpMap { width: 1, height: 1, texels: vec![0] };
+    assert_eq!(bind_layer(&Layer { density: Some(Arc::new(empty)), ..layer }, Some(&head)).n_strands(), 0);
+}
+
+#[test]
+fn guides_and_imported_strands_make_strands_too() {
+    let head = Head::new("ball", sphere(Vec3::ZERO, 8.0, 48));
+    let mut guides = Strands::default();
+    for i in 0..60 {
+        let (sin, cos) = (i as f32 * 2.4).sin_cos();
+        let r = 0.35 * (i as f32).sqrt();
+        let out = Vec3::new(r * cos, 6.0, r * sin).normalize();
+        guides.push(&[0, 1, 2, 3, 4].map(|k| out * (8.0 + 1.5 * k as f32) - Vec3::Y * 0.2 * (k * k) as f32));
+    }
+    guides.ids = (100..160).collect();
+    for head in [None, Some(&head)] {
+        let layer = Layer { n_strands: 2000, ..Layer::new("guides", Source::Guides(Arc::new(guides.clone()))) };
+        let binding = bind_layer(&layer, head);
+        assert_eq!((binding.n_strands(), binding.guides.n_guides()), (2000, 60));
+        let strands = generate(&binding, &layer, &binding.guides.positions, &Pose::default());
+        for s in 0..2000 {
+            let root = strands.strand(s)[0];
+            assert!((root.length() - 8.0).abs() < 0.5, "{root}");
+            let nearest = guides.iter().map(|g| g[0].distance(root)).fold(f32::MAX, f32::min);
+            assert!(nearest < 1.5, "{nearest}");
+            let length = polyline_length(strands.strand(s));
+            assert!((2.5..8.0).contains(&length), "{length}");
+        }
+    }
+    let layer = Layer { vertices_per_strand: 5, ..Layer::from_strands("strands", guides.clone()) };
+    let binding = bind_layer(&layer, Some(&head));
+    let strands = generate(&binding, &layer, &binding.guides.positions, &Pose::default());
+    for s in 0..60 {
+        let original = guides.strand(binding.ids[s] as usize - 100);
+        assert!(strands.strand(s).iter().zip(original).all(|(a, b)| a.distance(*b) < 1e-4));
+    }
+    for source in [Source::Guides(Arc::default()), Source::Strands(Arc::default()), Source::HairMesh(Arc::default())] {
+        let layer = Layer::new("nothing", source);
+        let binding = bind_layer(&layer, None);
+        assert_eq!(generate(&binding, &layer, &binding.guides.positions, &Pose::default()).n_strands(), 0);
+    }
+    let no_triangles = Head::new("empty", TriMesh::default());
+    assert_eq!(bind_layer(&layer, Some(&no_triangles)).n_strands(), 60);
+}
