@@ -8,10 +8,6 @@ use crate::machine::{self, Needs, cargo, root, status_of};
 /// Every test of the workspace, the baker's included. `args` go to `cargo test`.
 pub fn test(args: &[String]) -> Result<(), String> {
     machine::prepare(Needs::Tests)?;
-    // The window tests start the program itself.
-    let mut build = cargo();
-    build.current_dir(root()).args(["build", "--package", "lorelei"]);
-    status_of(build)?;
     let mut command = cargo();
     command.current_dir(root()).args(["test", "--workspace", "--features", "xtask/bake", "--no-fail-fast"]).args(args);
     let mut child =
