@@ -12,7 +12,7 @@ use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
 use crate::mesh::TriMesh;
 use crate::simulation::SimulationSettings;
 use crate::strands::Strands;
-use crate::style::StyleOp;
+use crate::style::{StyleOp, left_out};
 
 /// A hairstyle on a head, with its lights, look and movement. Camera and window layout are not in it.
 ///
@@ -223,6 +223,11 @@ impl Groom {
     pub fn n_strands(&self) -> usize {
         self.layers.iter().filter(|layer| layer.visible).map(|layer| layer.n_strands as usize).sum()
     }
+
+    /// What in the groom has no effect though it is there, for the user.
+    pub fn warnings(&self) -> Vec<String> {
+        self.layers.iter().filter_map(Layer::warning).collect()
+    }
 }
 
 impl Default for Layer {
@@ -247,6 +252,11 @@ impl Layer {
             params.insert(0, Param { key: "layer.strands".to_owned(), label: "Strands", unit: "", min: 1.0, max: 1_000_000.0, of: &[], help: "At level of detail 1", value: ParamValue::U32(&mut self.n_strands) });
         }
         params
+    }
+
+    /// What of the layer has no effect though it is there, for the user.
+    pub fn warning(&self) -> Option<String> {
+        Some(format!("{}: {}", self.name, left_out(&self.style)?))
     }
 
     /// A layer of strands as imported, at the width of average hair.

@@ -116,6 +116,11 @@ impl StyleOp {
         Self { on: true, strength: 1.0, from: 0.0, ramp, seed: 0, kind }
     }
 
+    /// Whether it does anything.
+    pub fn is_active(&self) -> bool {
+        self.on && self.strength != 0.0
+    }
+
     /// Every number of the operator with its range and unit, for panels.
     #[rustfmt::skip]
     pub fn params(&mut self) -> Vec<Param<'_>> {
@@ -170,6 +175,40 @@ impl StyleOp {
     }
 }
 
+/// Clump operators that take part in one stack.
+pub const MOST_CLUMP_OPS: usize = 3;
+/// Operators that displace strands and take part in one stack.
+pub const MOST_DISPLACING_OPS: usize = 12;
+
+/// Which operators of a stack take no part, because as many of their sort as there is room for come before them; in
+/// words for the user, or `None`.
+pub fn left_out(stack: &[StyleOp]) -> Option<String> {
+    let (mut n_clumps, mut n_displacing) = (0, 0);
+    let mut names = Vec::new();
+    for (op_idx, op) in stack.iter().enumerate().filter(|(_, op)| op.is_active()) {
+        let takes_part = match op.kind {
+            StyleKind::Length { .. } => true,
+            StyleKind::Clump { .. } => {
+                n_clumps += 1;
+                n_clumps <= MOST_CLUMP_OPS
+            }
+            StyleKind::Wave { .. } | StyleKind::Curl { .. } | StyleKind::Frizz { .. } | StyleKind::Deviate { .. } => {
+                n_displacing += 1;
+                n_displacing <= MOST_DISPLACING_OPS
+            }
+        };
+        if !takes_part {
+            names.push(format!("{} ({})", op_idx + 1, op.kind.label()));
+        }
+    }
+    (!names.is_empty()).then(|| {
+        format!(
+            "no room for operator {} of its style: a stack has room for {MOST_CLUMP_OPS} clumps and {MOST_DISPLACING_OPS} operators that displace strands. Switch others off or remove them.",
+            names.join(", ")
+        )
+    })
+}
+
 /// Strength * x^ramp, where x grows from 0 at `from` to 1 at the tip. Twin of `envelope` in generate.wgsl.
 pub fn envelope(strength: f32, from: f32, ramp: f32, t: f32) -> f32 {
     if t < from {
@@ -193,6 +232,21 @@ mod tests {
         assert!((op.envelope(0.625) - 0.2).abs() < 1e-6);
         assert!((op.envelope(1.0) - 0.8).abs() < 1e-6);
         assert_eq!(StyleOp { ramp: 0.0, ..op }.envelope(0.25), 0.8);
+    }
+
+    #[test]
+    fn operators_without_room_are_named_and_idle_ones_take_none() {
+        let clump = || StyleOp::new(StyleKind::DEFAULTS[0]);
+        let wave = || StyleOp::new(StyleKind::DEFAULTS[2]);
+        let length = || StyleOp::new(StyleKind::DEFAULTS[1]);
+        let mut stack = vec![clump(), clump(), StyleOp { on: false, ..clump() }, length(), clump()];
+        stack.extend((0..12).map(|_| wave()));
+        stack.push(StyleOp { strength: 0.0, ..wave() });
+        assert_eq!(left_out(&stack), None);
+        stack.push(wave());
+        stack.insert(0, clump());
+        let words = left_out(&stack).unwrap();
+        assert!(words.starts_with("no room for operator 6 (Clump), 20 (Wave) of its style"), "{words}");
     }
 
     #[test]

@@ -158,6 +158,9 @@ impl Mirror {
                 .iter_mut()
                 .find(|known| same_head && known.as_ref().is_some_and(|known| binds_alike(&known.layer, layer)));
             let mirror = if let Some(mut known) = known.and_then(Option::take) {
+                if known.layer.style != layer.style {
+                    warnings.extend(layer.warning());
+                }
                 known.restyle(gpu, layer);
                 known
             } else {
@@ -166,6 +169,7 @@ impl Mirror {
                 {
                     warnings.push(format!("{} has no hair: {error}", layer.name));
                 }
+                warnings.extend(layer.warning());
                 LayerMirror::new(gpu, layer, head.as_ref())?
             };
             self.layers.push(mirror);
@@ -329,7 +333,7 @@ impl LayerMirror {
     }
 
     fn send_ops(&mut self, gpu: &Gpu) {
-        let active = self.layer.style.iter().filter(|op| op.on && op.strength != 0.0);
+        let active = self.layer.style.iter().filter(|op| op.is_active());
         let ops: Vec<GpuOp> = active.map(|op| gpu_op(op, &self.binding)).collect();
         self.n_ops = ops.len() as u32;
         self.ops = gpu.buffer_of("generate.ops", &ops, STORAGE);

@@ -38,10 +38,6 @@ impl Default for Pose<'_> {
     }
 }
 
-/// Clump operators that take part; more in one stack are left out.
-pub const MOST_CLUMP_OPS: usize = 3;
-/// Operators that displace a strand and take part; more in one stack are left out.
-pub const MOST_DISPLACING_OPS: usize = 12;
 /// Distance from the head below which strands are pushed out, in centimetres; half to one and a half of
 /// it from strand to strand, so that pushed hair is no sheet.
 pub const KEEP_OUT: f32 = 0.3;

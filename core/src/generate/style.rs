@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
-use super::{Generator, MOST_CLUMP_OPS, MOST_DISPLACING_OPS};
+use super::Generator;
 use crate::hash::{combine, random, unit};
-use crate::style::{StyleKind, StyleOp, envelope};
+use crate::style::{MOST_CLUMP_OPS, MOST_DISPLACING_OPS, StyleKind, StyleOp, envelope};
 
 // What a random number is for: the second argument of `random`, plus the operator's seed.
 const FOR_LENGTH: u32 = 1;
@@ -89,7 +89,7 @@ pub(super) fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
 
 impl Generator<'_> {
     fn active(&self) -> impl Iterator<Item = &StyleOp> {
-        self.style.iter().filter(|op| op.on && op.strength != 0.0)
+        self.style.iter().filter(|op| op.is_active())
     }
 
     /// Hash that all strands of the operator's clump share.

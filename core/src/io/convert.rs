@@ -75,7 +75,7 @@ pub fn convert(
     let (strands, space_reason, mut warnings) = match contents {
         Contents::Document => {
             let groom = document::open(input)?;
-            (strands_of(&groom, options.what), String::new(), Vec::new())
+            (strands_of(&groom, options.what), String::new(), groom.warnings())
         }
         // A mesh is refused here, by the reader that knows what to say.
         Contents::Strands | Contents::Mesh => {

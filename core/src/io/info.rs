@@ -133,6 +133,7 @@ fn of_document(groom: &Groom) -> Info {
         bounds,
         bounds_cm: bounds,
         space_reason: "a document is always in centimetres, Y up, +Z front".to_owned(),
+        warnings: groom.warnings(),
         attributes,
         ..Info::empty(Format::Lorelei)
     }
