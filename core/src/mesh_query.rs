@@ -49,6 +49,40 @@ struct Node {
     far_squared: f32,
 }
 
+impl Node {
+    fn is_inner(&self) -> bool {
+        self.n_triangles == 0
+    }
+
+    /// Of a leaf.
+    fn triangles(&self) -> std::ops::Range<u32> {
+        self.first..self.first + self.n_triangles
+    }
+}
+
+/// Nodes still to be visited, the left child before the right one. The halves of [`build`] are at most 32 deep.
+struct Walk {
+    stack: [u32; 64],
+    n: usize,
+}
+
+impl Walk {
+    fn from_root() -> Self {
+        Self { stack: [0; 64], n: 1 }
+    }
+
+    fn next(&mut self) -> Option<u32> {
+        self.n = self.n.checked_sub(1)?;
+        Some(self.stack[self.n])
+    }
+
+    fn descend(&mut self, node_idx: u32, node: &Node) {
+        self.stack[self.n] = node.first;
+        self.stack[self.n + 1] = node_idx + 1;
+        self.n += 2;
+    }
+}
+
 /// The hierarchy. Owns copies of the corners: queries stay valid while the mesh is edited.
 #[derive(Debug, Clone)]
 pub struct MeshQuery {
@@ -107,8 +141,8 @@ impl MeshQuery {
                 continue;
             }
             let node = &self.nodes[node_idx as usize];
-            if node.n_triangles > 0 {
-                for i in node.first..node.first + node.n_triangles {
+            if !node.is_inner() {
+                for i in node.triangles() {
                     let (position, barycentric) = closest_on_triangle(point, self.corners[i as usize]);
                     let squared = position.distance_squared(point);
                     if squared < best_squared {
@@ -144,22 +178,17 @@ impl MeshQuery {
         let inverse = direction.recip();
         let mut best = f32::INFINITY;
         let mut hit = None;
-        let mut stack = [0_u32; 64];
-        let mut n_stack = 1;
-        while n_stack > 0 {
-            n_stack -= 1;
-            let node_idx = stack[n_stack];
+        let mut walk = Walk::from_root();
+        while let Some(node_idx) = walk.next() {
             let node = &self.nodes[node_idx as usize];
             if !ray_meets_box(node, origin, inverse, best) {
                 continue;
             }
-            if node.n_triangles == 0 {
-                stack[n_stack] = node.first;
-                stack[n_stack + 1] = node_idx + 1;
-                n_stack += 2;
+            if node.is_inner() {
+                walk.descend(node_idx, node);
                 continue;
             }
-            for i in node.first..node.first + node.n_triangles {
+            for i in node.triangles() {
                 if let Some((t, barycentric)) = ray_triangle(origin, direction, self.corners[i as usize])
                     && t < best
                 {
@@ -180,25 +209,20 @@ impl MeshQuery {
     /// near the holes of an open one; negative where triangles are clockwise.
     pub fn winding_number(&self, point: Vec3) -> f32 {
         let mut solid_angle = 0.0;
-        let mut stack = [0_u32; 64];
-        let mut n_stack = 1;
-        while n_stack > 0 {
-            n_stack -= 1;
-            let node_idx = stack[n_stack];
+        let mut walk = Walk::from_root();
+        while let Some(node_idx) = walk.next() {
             let node = &self.nodes[node_idx as usize];
             let to_centroid = node.centroid - point;
             let squared = to_centroid.length_squared();
             if squared > node.far_squared {
                 // Barill et al. 2018, eq. 12, first term.
                 solid_angle += to_centroid.dot(node.area_vector) / (squared * squared.sqrt());
-            } else if node.n_triangles > 0 {
-                for i in node.first..node.first + node.n_triangles {
+            } else if node.is_inner() {
+                walk.descend(node_idx, node);
+            } else {
+                for i in node.triangles() {
                     solid_angle += triangle_solid_angle(self.corners[i as usize].map(|corner| corner - point));
                 }
-            } else {
-                stack[n_stack] = node.first;
-                stack[n_stack + 1] = node_idx + 1;
-                n_stack += 2;
             }
         }
         solid_angle / (4.0 * std::f32::consts::PI)
