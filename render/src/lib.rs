@@ -16,6 +16,7 @@ pub mod scene;
 pub mod shade;
 pub mod shadow;
 pub mod slot;
+pub mod tonemap;
 pub mod view;
 
 pub use frame::FrameInput;

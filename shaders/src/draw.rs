@@ -6,10 +6,10 @@ use naga::ShaderStage;
 
 use crate::error::ShaderError;
 use crate::gpu::Gpu;
-use crate::kernel::Bindings;
-use crate::layout::{Groups, reflect};
+use crate::layout::reflect;
 use crate::library::Link;
 use crate::link::Linked;
+use crate::pipeline::{Bindings, Pipeline};
 
 /// What a render pipeline is, apart from its shaders.
 #[derive(Debug, Clone, Default)]
@@ -26,12 +26,7 @@ pub struct DrawDescriptor<'a> {
 }
 
 /// A render pipeline. Its layouts come from the shader.
-#[derive(Debug, Clone)]
-pub struct Draw {
-    label: String,
-    pipeline: wgpu::RenderPipeline,
-    groups: Groups,
-}
+pub type Draw = Pipeline<wgpu::RenderPipeline>;
 
 impl Draw {
     pub(crate) fn new(gpu: &Gpu, linked: &Linked, descriptor: &DrawDescriptor<'_>) -> Result<Self, ShaderError> {
@@ -63,31 +58,17 @@ impl Draw {
                 })
             })
             .map_err(|error| ShaderError::Pipeline { label: reflected.label.clone(), message: error.to_string() })?;
-        Ok(Self { label: reflected.label, pipeline, groups: reflected.groups })
-    }
-
-    /// `file.vertex+fragment`.
-    pub fn label(&self) -> &str {
-        &self.label
-    }
-
-    /// Bind resources by the names of the shader's variables: all of them, and no others.
-    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource<'_>)]) -> Result<Bindings, ShaderError> {
-        self.groups.bind(gpu, resources, true)
-    }
-
-    /// Bind what the pipeline uses and leave the rest: for shaders with slots, whose modules need different things.
-    pub fn bind_used(
-        &self,
-        gpu: &Gpu,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Bindings, ShaderError> {
-        self.groups.bind(gpu, resources, false)
+        Ok(Self {
+            label: reflected.label,
+            inner: pipeline,
+            groups: reflected.groups,
+            workgroup_size: reflected.workgroup_size,
+        })
     }
 
     /// Make pipeline and bindings the current ones of a render pass.
     pub fn set(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &Bindings) {
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.inner);
         for (group_idx, group) in bindings.groups.iter().enumerate() {
             pass.set_bind_group(group_idx as u32, group, &[]);
         }

@@ -4,23 +4,12 @@ use naga::ShaderStage;
 
 use crate::error::ShaderError;
 use crate::gpu::Gpu;
-use crate::layout::{Groups, reflect};
+use crate::layout::reflect;
 use crate::link::Linked;
+use crate::pipeline::{Bindings, Pipeline};
 
 /// A compute pipeline. Its layouts come from the shader.
-#[derive(Debug, Clone)]
-pub struct Kernel {
-    label: String,
-    pipeline: wgpu::ComputePipeline,
-    groups: Groups,
-    workgroup_size: [u32; 3],
-}
-
-/// Resources bound to one pipeline, made by its `bind`.
-#[derive(Debug, Clone)]
-pub struct Bindings {
-    pub(crate) groups: Vec<wgpu::BindGroup>,
-}
+pub type Kernel = Pipeline<wgpu::ComputePipeline>;
 
 impl Kernel {
     pub(crate) fn new(gpu: &Gpu, linked: &Linked, entry: &str, overrides: &[(&str, f64)]) -> Result<Self, ShaderError> {
@@ -43,39 +32,15 @@ impl Kernel {
             .map_err(|error| ShaderError::Pipeline { label: reflected.label.clone(), message: error.to_string() })?;
         Ok(Self {
             label: reflected.label,
-            pipeline,
+            inner: pipeline,
             groups: reflected.groups,
             workgroup_size: reflected.workgroup_size,
         })
     }
 
-    /// `file.entry`.
-    pub fn label(&self) -> &str {
-        &self.label
-    }
-
     /// Threads of a workgroup, overrides applied.
     pub fn workgroup_size(&self) -> [u32; 3] {
         self.workgroup_size
-    }
-
-    /// Names of everything that [`Kernel::bind`] needs.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.groups.names()
-    }
-
-    /// Bind resources by the names of the shader's variables: all of them, and no others.
-    pub fn bind(&self, gpu: &Gpu, resources: &[(&str, wgpu::BindingResource<'_>)]) -> Result<Bindings, ShaderError> {
-        self.groups.bind(gpu, resources, true)
-    }
-
-    /// Bind what the kernel uses and leave the rest: for kernels with slots, whose modules need different things.
-    pub fn bind_used(
-        &self,
-        gpu: &Gpu,
-        resources: &[(&str, wgpu::BindingResource<'_>)],
-    ) -> Result<Bindings, ShaderError> {
-        self.groups.bind(gpu, resources, false)
     }
 
     /// Record a dispatch of this many workgroups.
@@ -102,7 +67,7 @@ impl Kernel {
     }
 
     fn set(&self, pass: &mut wgpu::ComputePass<'_>, bindings: &Bindings) {
-        pass.set_pipeline(&self.pipeline);
+        pass.set_pipeline(&self.inner);
         for (group_idx, group) in bindings.groups.iter().enumerate() {
             pass.set_bind_group(group_idx as u32, group, &[]);
         }

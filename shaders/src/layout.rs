@@ -7,8 +7,8 @@ use naga::{AddressSpace, ImageClass, ImageDimension, ScalarKind, ShaderStage, St
 
 use crate::error::ShaderError;
 use crate::gpu::Gpu;
-use crate::kernel::Bindings;
 use crate::link::{Linked, capabilities};
+use crate::pipeline::Bindings;
 
 /// Everything that a pipeline is made from, whatever its kind.
 pub(crate) struct Reflected {

@@ -19,10 +19,12 @@ mod kernel;
 mod layout;
 mod library;
 mod link;
+mod pipeline;
 
 pub use draw::{Draw, DrawDescriptor};
 pub use error::{GpuError, ShaderError};
 pub use gpu::Gpu;
 pub use hot::Hot;
-pub use kernel::{Bindings, Kernel, grid_1d};
+pub use kernel::{Kernel, grid_1d};
 pub use library::{Link, ShaderLibrary};
+pub use pipeline::{Bindings, Pipeline};

@@ -2,7 +2,7 @@
 //
 // The primaries are drawn in towards white, so that no channel can run away from the others; then a curve over 16.5
 // stops of log2 light; then the primaries are drawn out again. Matrices and the sixth-degree fit of the curve (error
-// below 0.4 % of full scale): B. Wrensch, "Minimal AgX Implementation", 2023. It has no CPU twin yet.
+// below 0.4 % of full scale): B. Wrensch, "Minimal AgX Implementation", 2023. Twin of render/src/tonemap.rs.
 // slot: tonemap
 #define_import_path lorelei::tonemap_agx
 
