@@ -6,7 +6,7 @@
 use std::process::Command;
 use std::time::Instant;
 
-use crate::machine::{self, Needs, release_binary, root};
+use crate::machine::{self, Needs, binary, root};
 use crate::run::build_release;
 
 const N_ROUNDS: usize = 5;
@@ -21,7 +21,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
     std::fs::create_dir_all(&out).map_err(|why| format!("cannot create the folder `out`: {why}"))?;
     let picture = out.join("bench.png");
     let render = |set: &[&str]| -> Result<(String, f64), String> {
-        let mut command = Command::new(release_binary("lorelei"));
+        let mut command = Command::new(binary("release", "lorelei"));
         command.args(["render", "--json", "--repeat", "3", "--out"]).arg(&picture);
         for pair in set {
             command.args(["--set", pair]);
@@ -62,7 +62,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
     for format in ["data", "hair", "tfx"] {
         let file = out.join(format!("bench.{format}"));
         if format != "data" {
-            let mut convert = Command::new(release_binary("lorelei"));
+            let mut convert = Command::new(binary("release", "lorelei"));
             let converted = convert.arg("convert").arg(&source).arg(&file).output();
             let converted = converted.map_err(|why| format!("lorelei could not be started: {why}"))?;
             if !converted.status.success() {
@@ -73,7 +73,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         let mut times = Vec::new();
         for _ in 0..N_ROUNDS {
             let start = Instant::now();
-            let info = Command::new(release_binary("lorelei")).arg("info").arg(&file).arg("--json").output();
+            let info = Command::new(binary("release", "lorelei")).arg("info").arg(&file).arg("--json").output();
             if !info.is_ok_and(|info| info.status.success()) {
                 return Err(format!("lorelei info {} failed", file.display()));
             }

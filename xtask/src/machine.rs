@@ -15,6 +15,8 @@ pub enum Needs {
     Window,
     /// Pictures, a virtual display and real input events.
     Tests,
+    /// A C++ compiler, for libFuzzer.
+    Fuzz,
 }
 
 /// Something the system must have: how to see it, and the Debian package that brings it.
@@ -45,6 +47,9 @@ fn vulkan_driver() -> bool {
 
 #[rustfmt::skip]
 fn parts(needs: Needs) -> Vec<Part> {
+    if needs == Needs::Fuzz {
+        return vec![Part { package: "g++", what: "a C++ compiler for libFuzzer", present: || program("c++") }];
+    }
     let mut parts = vec![
         Part { package: "libvulkan1", what: "the Vulkan loader", present: || library("libvulkan.so.1") },
         Part { package: "mesa-vulkan-drivers", what: "a Vulkan driver (Mesa; renders on the CPU where there is no GPU)", present: vulkan_driver },
@@ -144,8 +149,8 @@ pub fn root() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask is in the workspace").to_path_buf()
 }
 
-/// Where cargo put a release binary.
-pub fn release_binary(name: &str) -> std::path::PathBuf {
+/// Where cargo put a program; `profile` is the folder's name, `debug` or `release`.
+pub fn binary(profile: &str, name: &str) -> std::path::PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into);
-    target.join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
+    target.join(profile).join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
 }

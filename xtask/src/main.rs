@@ -3,6 +3,8 @@
 //! One program instead of shell scripts, so that the same words work on Linux, macOS and Windows.
 
 mod bench;
+mod fuzz;
+mod golden;
 mod machine;
 mod run;
 mod test;
@@ -19,8 +21,11 @@ Usage: cargo xtask COMMAND [-- ARGUMENTS]
                    Without a display: render the default groom to a picture and say where it is.
   test [FILTER]    the same care, then every test of the workspace; FILTER as for `cargo test`
   lint             format check and clippy, warnings denied
+  fuzz [SECONDS] [TARGET]...
+                   libFuzzer over the file readers, SECONDS for each (60)
   bench            measure speed on this machine and print tables
   bake             make the embedded head and hairstyles anew
+  golden COMMAND   `compare`: render the golden images here and compare; `write`: make them anew
   setup            only install what the system lacks
 ";
 
@@ -40,6 +45,8 @@ fn main() -> ExitCode {
         "lint" => test::lint(),
         "bench" => bench::bench(&args),
         "bake" => bake_command(&args),
+        "fuzz" => fuzz::fuzz(&args),
+        "golden" => golden::golden(&args),
         "setup" => machine::prepare(machine::Needs::Tests),
         "help" | "--help" | "-h" => {
             print!("{USAGE}");

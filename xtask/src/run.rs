@@ -2,13 +2,13 @@
 
 use std::process::Command;
 
-use crate::machine::{self, Needs, cargo, has_display, release_binary, root, status_of};
+use crate::machine::{self, Needs, binary, cargo, has_display, root, status_of};
 
 pub fn run(args: &[String]) -> Result<(), String> {
     let window = has_display();
     machine::prepare(if window { Needs::Window } else { Needs::Pictures })?;
     build_release()?;
-    let mut lorelei = Command::new(release_binary("lorelei"));
+    let mut lorelei = Command::new(binary("release", "lorelei"));
     if window || !args.is_empty() {
         lorelei.args(args);
         return status_of(lorelei);
