@@ -1,4 +1,6 @@
 //! Tests across crates, in one binary.
 
 mod architecture;
+mod golden;
 mod scalp;
+mod style;
