@@ -144,6 +144,11 @@ pub fn has_display() -> bool {
     !cfg!(target_os = "linux") || set("DISPLAY") || set("WAYLAND_DISPLAY")
 }
 
+/// Mesa's layer that picks a device asks the display which one it uses, and prints an error where there is none.
+pub fn without_display(command: &mut Command) {
+    command.env("NODEVICE_SELECT", "1");
+}
+
 /// The workspace's root folder.
 pub fn root() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask is in the workspace").to_path_buf()

@@ -16,6 +16,7 @@ pub fn run(args: &[String]) -> Result<(), String> {
     let picture = root().join("out").join("lorelei.png");
     std::fs::create_dir_all(root().join("out")).map_err(|why| format!("cannot create the folder `out`: {why}"))?;
     lorelei.args(["render", "--size", "1280x720", "--out"]).arg(&picture);
+    machine::without_display(&mut lorelei);
     status_of(lorelei)?;
     println!("There is no display here, so the default groom was rendered to {}", picture.display());
     println!("To open the studio's window: run `cargo xtask run` in a desktop session, or set DISPLAY to an X server");

@@ -10,6 +10,9 @@ pub fn test(args: &[String]) -> Result<(), String> {
     machine::prepare(Needs::Tests)?;
     let mut command = cargo();
     command.current_dir(root()).args(["test", "--workspace", "--features", "xtask/bake", "--no-fail-fast"]).args(args);
+    if !machine::has_display() {
+        machine::without_display(&mut command);
+    }
     let mut child =
         command.stdout(Stdio::piped()).spawn().map_err(|why| format!("cargo could not be started: {why}"))?;
     let stdout = child.stdout.take().expect("stdout is piped");
