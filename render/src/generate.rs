@@ -88,6 +88,7 @@ impl StrandGenerator {
         self.kernel.refresh(library, |library| library.kernel(gpu, "generate", "generate", &[], &[]));
         let mut dispatches = Vec::new();
         self.mirror.buffers.layers.clear();
+        self.mirror.buffers.widest = 0.0;
         while self.params.len() < self.mirror.layers.len() {
             let size = size_of::<Params>() as u64;
             self.params.push(gpu.buffer("generate.params", size, BufferUsages::UNIFORM));
@@ -119,6 +120,8 @@ impl StrandGenerator {
                 lod_fade: lod.fade,
                 pad: 0,
             };
+            let widest = params.radius * lod.scale * layer.widest_scale;
+            self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
             let bindings = self.kernel.bind(
                 gpu,

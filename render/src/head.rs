@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use glam::{Affine3A, Mat4};
 use lorelei_core::look::{Look, Shadowing};
 use lorelei_core::mesh::TriMesh;
-use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
@@ -45,6 +45,8 @@ pub(crate) struct HeadInput<'a> {
     pub is_shown: bool,
     pub view: &'a wgpu::Buffer,
     pub tile_backs: &'a wgpu::Buffer,
+    /// The rasteriser's tiles.
+    pub tile_slot: Link<'static>,
     pub targets: &'a Targets,
     pub scene: &'a SceneBuffers,
     pub shadow: &'a Shadow,
@@ -93,8 +95,9 @@ impl HeadPass {
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
         let shadowing = input.look.shadowing;
+        let tile_slot = input.tile_slot;
         let make_shade = |library: &ShaderLibrary| {
-            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing)])
+            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing), tile_slot])
         };
         if let Some(kernel) = self.shade.get_mut(&shadowing) {
             kernel.refresh(library, make_shade);

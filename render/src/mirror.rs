@@ -61,6 +61,8 @@ pub struct StrandBuffers {
     /// Vertices and strands that the buffers have room for.
     pub n_vertices: u32,
     pub n_strands: u32,
+    /// Radius of the widest strand of the last recorded frame, centimetres.
+    pub widest: f32,
     /// Changes when a buffer is another one than before: what was bound must be bound again.
     pub generation: u64,
 }
@@ -76,6 +78,8 @@ pub(crate) struct LayerMirror {
     pub(crate) middles: wgpu::Buffer,
     pub(crate) ops: wgpu::Buffer,
     pub(crate) n_ops: u32,
+    /// Of the widest strand, times the layer's radius.
+    pub(crate) widest_scale: f32,
     /// Place in the shared buffers, with as many strands as there is room for; `None` where hidden.
     pub(crate) place: Option<DrawnLayer>,
 }
@@ -127,6 +131,7 @@ impl Mirror {
             layers: Vec::new(),
             n_vertices: 0,
             n_strands: 0,
+            widest: 0.0,
             generation: 0,
         };
         Self {
@@ -309,6 +314,7 @@ impl LayerMirror {
             middles: gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE),
             ops: gpu.buffer("generate.ops", 16, STORAGE),
             n_ops: 0,
+            widest_scale: binding.radius_scales.iter().copied().fold(1.0, f32::max),
             binding: Arc::new(binding),
             place: None,
         })?;

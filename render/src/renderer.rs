@@ -12,7 +12,7 @@ use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass};
 use crate::mirror::{Mirror, MirrorError};
 use crate::profile::Profile;
-use crate::raster::{Raster, TooManyVertices};
+use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
 use crate::resolve::ResolvePass;
 use crate::ribbons::{RibbonInput, Ribbons};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
@@ -75,6 +75,10 @@ pub struct Renderer {
 
 impl Renderer {
     pub fn new(gpu: &Gpu, library: ShaderLibrary) -> Result<Self, RenderError> {
+        Self::with_threads(gpu, library, Threads::for_gpu(gpu))
+    }
+
+    fn with_threads(gpu: &Gpu, library: ShaderLibrary, threads: Threads) -> Result<Self, RenderError> {
         Ok(Self {
             groom: None,
             ball: Ball { centre: glam::Vec3::ZERO, radius: 1.0 },
@@ -83,7 +87,7 @@ impl Renderer {
             shadow: Shadow::new(gpu, &library)?,
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
-            raster: Raster::new(gpu, &library)?,
+            raster: Raster::new(gpu, &library, threads)?,
             ribbons: Ribbons::new(gpu, &library)?,
             resolve: ResolvePass::new(gpu),
             profile: Profile::new(gpu)?,
@@ -171,7 +175,8 @@ impl Renderer {
             groom.layers.get(layer as usize).map_or(&fallback, |layer: &lorelei_core::groom::Layer| &layer.material)
         };
         self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
-        self.raster.prepare(gpu, library, view, strands)?;
+        let raster_input = RasterInput { view, ball: self.ball, exposure: look.exposure.exp2() };
+        self.raster.prepare(gpu, library, strands, &raster_input)?;
 
         // Strands, and the light that reaches them.
         profile.pass("generate", encoder, |encoder| {
@@ -190,6 +195,7 @@ impl Renderer {
                 is_shown: is_head_shown,
                 view: &self.view,
                 tile_backs: &self.raster.segments.tile_backs,
+                tile_slot: self.raster.threads().tile_slot(),
                 targets: &self.targets,
                 scene: &self.scene,
                 shadow: &self.shadow,
@@ -201,8 +207,7 @@ impl Renderer {
         let radiance = self.shade.radiance();
         match look.primitive {
             Primitive::Compute => {
-                profile.pass("raster.setup", encoder, |encoder| self.raster.record_setup(gpu, encoder, strands))?;
-                profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder))?;
+                profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder, strands))?;
                 let raster = &mut self.raster;
                 raster.record_tiles(gpu, library, encoder, look.transparency, radiance, &self.targets, profile)?;
             }

@@ -6,7 +6,7 @@ use lorelei_core::groom::Groom;
 use lorelei_core::look::{Background, HeadShading, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
-use super::{FrameInput, Pixels, RenderError, Renderer};
+use super::{FrameInput, Pixels, RenderError, Renderer, Threads};
 use crate::exact::{Backdrop, ExactStrands, composite};
 use crate::sample::sample_groom;
 
@@ -20,9 +20,22 @@ fn input(camera: &Camera) -> FrameInput<'_> {
     FrameInput { camera, size: SIZE, world_from_head: Affine3A::IDENTITY, guides: &[], lod_scale: 1.0 }
 }
 
+/// What the rasteriser's threads can be on this device.
+fn every_threads(gpu: &Gpu) -> Vec<Threads> {
+    let mut all = vec![Threads::Segments];
+    if gpu.has(wgpu::Features::SUBGROUP) && gpu.adapter_info.subgroup_min_size >= 8 {
+        all.push(Threads::Lanes);
+    }
+    all
+}
+
 fn renderer(groom: &Groom) -> Renderer {
     let gpu = Gpu::headless().unwrap();
-    let mut renderer = Renderer::new(&gpu, ShaderLibrary::embedded()).unwrap();
+    renderer_with(&gpu, groom, Threads::for_gpu(&gpu))
+}
+
+fn renderer_with(gpu: &Gpu, groom: &Groom, threads: Threads) -> Renderer {
+    let mut renderer = Renderer::with_threads(gpu, ShaderLibrary::embedded(), threads).unwrap();
     assert_eq!(renderer.set_groom(groom).unwrap(), Vec::<String>::new());
     renderer
 }
@@ -73,23 +86,27 @@ fn difference(got: &[[f64; 4]], exact: &[[f64; 4]]) -> (f64, f64) {
 
 #[test]
 fn both_primitives_draw_the_exact_picture() {
+    let gpu = Gpu::headless().unwrap();
     let camera = camera();
     // Radii from thinner than a pixel (0.05 of one) to wider than one.
     for (n_strands, radius_um) in [(4_000, 40.0), (4_000, 300.0), (300, 1_500.0)] {
         let mut groom = sample_groom(n_strands, 16);
         groom.layers[0].radius_um = radius_um;
-        let mut renderer = renderer(&groom);
-        for (primitive, most_rmse) in [(Primitive::Compute, 0.02), (Primitive::Ribbons, 0.03)] {
-            groom.look.primitive = primitive;
-            renderer.set_groom(&groom).unwrap();
-            renderer.render_pixels(&input(&camera)).unwrap();
-            let (rmse, coverage) = difference(&hair(&renderer), &exact_hair(&renderer, &camera));
-            println!("{n_strands} strands of {radius_um} um, {primitive:?}: rmse {rmse:.5}, coverage {coverage:.4}");
-            assert!(rmse < most_rmse, "{primitive:?}, {radius_um} um: {rmse}");
-            assert!((coverage - 1.0).abs() < 0.03, "{primitive:?}, {radius_um} um: {coverage}");
+        for threads in every_threads(&gpu) {
+            let mut renderer = renderer_with(&gpu, &groom, threads);
+            for (primitive, most_rmse) in [(Primitive::Compute, 0.02), (Primitive::Ribbons, 0.03)] {
+                groom.look.primitive = primitive;
+                renderer.set_groom(&groom).unwrap();
+                renderer.render_pixels(&input(&camera)).unwrap();
+                let (rmse, coverage) = difference(&hair(&renderer), &exact_hair(&renderer, &camera));
+                let what = format!("{n_strands} strands of {radius_um} um, {primitive:?}, {threads:?}");
+                println!("{what}: rmse {rmse:.5}, coverage {coverage:.4}");
+                assert!(rmse < most_rmse, "{what}: {rmse}");
+                assert!((coverage - 1.0).abs() < 0.03, "{what}: {coverage}");
+            }
+            let (listed, room) = renderer.n_tile_entries().unwrap();
+            assert!(listed > 0 && listed <= room);
         }
-        let (listed, room) = renderer.n_tile_entries().unwrap();
-        assert!(listed > 0 && listed <= room);
     }
 }
 

@@ -238,6 +238,7 @@ mod tests {
             }],
             n_vertices: vertices.len() as u32,
             n_strands: (vertices.len() / PER_STRAND) as u32,
+            widest: 0.01,
             generation: 0,
         };
         let texture = |label, format, usage| {

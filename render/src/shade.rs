@@ -217,6 +217,7 @@ mod tests {
             }],
             n_vertices: 9,
             n_strands: 1,
+            widest: 0.01,
             generation: 1,
         };
         let shadow = Shadow::new(&gpu, &library).unwrap();

@@ -1,40 +1,97 @@
-// Slot `blend`: fragments of a bucket weighted by their coverage, buckets composited front to back.
+// Slot `blend`: fragments of a bucket weighted by their optical depth, buckets composited front to back.
 //
 // Within a bucket nothing is sorted: what it hides is the product of what its fragments let through, what it shows
-// their mean. So the order in which atomics filled the bucket does not matter.
+// their mean. So the order in which threads come to a pixel does not matter.
 // slot: blend
 #define_import_path lorelei::blend_front_to_back
+#import lorelei::raster_frame::{raster}
+#import lorelei::tile::{N_PIXELS}
 
 struct Blend {
     // Premultiplied, of the closed buckets.
     colour: vec4<f32>,
-    // The open bucket: sums weighted by coverage, and the share that it stops.
-    bucket_colour: vec4<f32>,
     // Share of the light from behind that the closed buckets stop.
     stopped: f32,
-    bucket_coverage: f32,
-    bucket_stopped: f32,
 }
 
+// Buckets that are open at once.
+const N_OPEN: u32 = 4u;
+// Times that a segment's pixels are visited.
+const N_WALKS: u32 = 1u;
 // Where so much is stopped, what little is still to come is taken to look like what is there.
 const OPAQUE: f32 = 0.99;
+// Optical depth of a fragment that stops everything (less than 1 - OPAQUE comes through).
+const MOST: f32 = 5.0;
+// Fixed point of optical depths.
+const DEPTH_ONE: f32 = 4096.0;
+// Brighter than this, at the picture's exposure, is white in every tonemapping.
+const BRIGHTEST: f32 = 16.0;
 
-fn blend_add(blend: ptr<function, Blend>, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
-    let alpha = clamp(coverage, 0.0, 1.0);
-    (*blend).bucket_colour += alpha * open * vec4<f32>(colour, 1.0);
-    (*blend).bucket_coverage += alpha;
-    (*blend).bucket_stopped += alpha * (1.0 - (*blend).bucket_stopped);
+// Fixed point of colours, which are radiance x optical depth at the picture's exposure.
+struct BlendScale {
+    colour: f32,
+    per_colour: f32,
 }
 
-fn blend_close(blend: ptr<function, Blend>) {
-    if (*blend).bucket_coverage > 0.0 {
-        let shown = (1.0 - (*blend).stopped) * (*blend).bucket_stopped;
-        (*blend).colour += (shown / (*blend).bucket_coverage) * (*blend).bucket_colour;
-        (*blend).stopped += shown;
+// For each open bucket and pixel: optical depth, and three colours.
+var<workgroup> depths: array<atomic<u32>, N_OPEN * N_PIXELS>;
+var<workgroup> reds: array<atomic<u32>, N_OPEN * N_PIXELS>;
+var<workgroup> greens: array<atomic<u32>, N_OPEN * N_PIXELS>;
+var<workgroup> blues: array<atomic<u32>, N_OPEN * N_PIXELS>;
+// Optical depth that the head hides, of all open buckets.
+var<workgroup> shut: array<atomic<u32>, N_PIXELS>;
+
+// A segment comes to a pixel once: no sum of so many segments overflows.
+fn blend_scale(n_segments: u32) -> BlendScale {
+    let most = 4294967040.0 / f32(n_segments);
+    let colour = min(most / (MOST * BRIGHTEST) - 1.0, 1048576.0);
+    return BlendScale(raster.exposure * colour, 1.0 / (raster.exposure * colour));
+}
+
+fn blend_clear(pixel: u32) {
+    for (var k = 0u; k < N_OPEN; k++) {
+        let at = k * N_PIXELS + pixel;
+        atomicStore(&depths[at], 0u);
+        atomicStore(&reds[at], 0u);
+        atomicStore(&greens[at], 0u);
+        atomicStore(&blues[at], 0u);
     }
-    (*blend).bucket_colour = vec4<f32>(0.0);
-    (*blend).bucket_coverage = 0.0;
-    (*blend).bucket_stopped = 0.0;
+    atomicStore(&shut[pixel], 0u);
+}
+
+fn blend_add(walk_idx: u32, scale: BlendScale, bucket: u32, pixel: u32, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
+    let at = bucket * N_PIXELS + pixel;
+    let optical = min(-log(max(1.0 - coverage, 1e-6)), MOST);
+    let brightest = vec3<f32>(BRIGHTEST / raster.exposure);
+    let weighted = (optical * open * scale.colour) * min(colour, brightest) + 0.5;
+    atomicAdd(&depths[at], u32(optical * DEPTH_ONE + 0.5));
+    atomicAdd(&reds[at], u32(weighted.x));
+    atomicAdd(&greens[at], u32(weighted.y));
+    atomicAdd(&blues[at], u32(weighted.z));
+    if open < 1.0 {
+        atomicAdd(&shut[pixel], u32(optical * (1.0 - open) * DEPTH_ONE + 0.5));
+    }
+}
+
+fn blend_close(blend: ptr<function, Blend>, scale: BlendScale, pixel: u32) {
+    var sum = 0.0;
+    for (var k = 0u; k < N_OPEN; k++) {
+        sum += f32(atomicLoad(&depths[k * N_PIXELS + pixel]));
+    }
+    if sum == 0.0 {
+        return;
+    }
+    let open = 1.0 - f32(atomicLoad(&shut[pixel])) / sum;
+    for (var k = 0u; k < N_OPEN; k++) {
+        let at = k * N_PIXELS + pixel;
+        let optical = f32(atomicLoad(&depths[at])) / DEPTH_ONE;
+        if optical > 0.0 {
+            let shown = (1.0 - (*blend).stopped) * (1.0 - exp(-optical));
+            let colour = vec3<f32>(f32(atomicLoad(&reds[at])), f32(atomicLoad(&greens[at])), f32(atomicLoad(&blues[at])));
+            (*blend).colour += shown * vec4<f32>(colour * (scale.per_colour / optical), open);
+            (*blend).stopped += shown;
+        }
+    }
 }
 
 fn blend_is_done(blend: Blend) -> bool {

@@ -4,6 +4,7 @@
 // Lit here and not where triangles are drawn: a GPU made for computing has few units that can draw, and the lookups
 // of three lights' shadows took 4.6 ms there on an H200.
 #import lorelei::camera::{View}
+#import lorelei::tile::{TILE}
 #import lorelei::shade_lights::{scene, arriving}
 #import lorelei::shadow::{light_visibility}
 
@@ -20,7 +21,7 @@ struct HeadLook {
 // Mean view depth of the samples that hit the head, cm; NO_HEAD elsewhere.
 @group(0) @binding(auto) var head_depth: texture_storage_2d<r32float, write>;
 @group(0) @binding(auto) var head_colour: texture_storage_2d<rgba16float, write>;
-// Bits of the farthest depth in each tile of 8 x 8 pixels, 0 before the frame.
+// Bits of the farthest depth in each of the rasteriser's tiles, 0 before the frame.
 @group(0) @binding(auto) var<storage, read_write> tile_backs: array<atomic<u32>>;
 
 const NO_HEAD: f32 = 1e30;
@@ -48,8 +49,6 @@ fn skin(position: vec3<f32>, surface_normal: vec3<f32>) -> vec3<f32> {
 @compute @workgroup_size(8, 8)
 fn shade_head(
     @builtin(global_invocation_id) id: vec3<u32>,
-    @builtin(workgroup_id) group: vec3<u32>,
-    @builtin(num_workgroups) n_groups: vec3<u32>,
 ) {
     if any(id.xy >= view.size) {
         return;
@@ -67,7 +66,8 @@ fn shade_head(
     let depth = select(NO_HEAD, sum / max(n, 1.0), n > 0.0);
     textureStore(head_depth, id.xy, vec4<f32>(depth));
     let back = bitcast<u32>(select(NO_HEAD, depth, n == 4.0));
-    let tile_idx = group.y * n_groups.x + group.x;
+    let tile = id.xy / u32(TILE);
+    let tile_idx = tile.y * ((view.size.x + u32(TILE) - 1u) / u32(TILE)) + tile.x;
     if back > atomicLoad(&tile_backs[tile_idx]) {
         atomicMax(&tile_backs[tile_idx], back);
     }

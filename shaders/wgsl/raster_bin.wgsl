@@ -1,9 +1,10 @@
-// Segments into tiles and, within a tile, into depth buckets. Run twice: first to count, then, with `SCATTER`
-// defined, to write each segment where its bucket's part of the list has been laid out.
-#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, TILE, COARSE, N_BUCKETS, ENTRY_BITS}
+// Segments into tiles and, within a tile, into depth buckets. Run twice: first from vertices to segments in pixels and
+// to how many each bucket gets; then, with `SCATTER` defined, to write each segment where its bucket's part of the list
+// has been laid out.
+#import lorelei::camera::{project}
+#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, COARSE, ENTRY_BITS}
+#import lorelei::tile::{TILE, N_BUCKETS}
 
-@group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read> fronts: array<u32>;
 // Bits of the depth behind which a tile is all head.
 @group(0) @binding(auto) var<storage, read> tile_backs: array<u32>;
@@ -14,6 +15,14 @@ struct Round { round: u32 }
 @group(0) @binding(auto) var<uniform> round: Round;
 @group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
 @group(0) @binding(auto) var<storage, read_write> entries: array<u32>;
+@group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
+@group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
+#else
+@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
+// Origin and unit direction in pixels, at the index of the segment's first vertex.
+@group(0) @binding(auto) var<storage, read_write> lines: array<vec4<f32>>;
+// Length in pixels (0: not drawn), view depth at both ends, half widths in pixels as two half floats.
+@group(0) @binding(auto) var<storage, read_write> spans: array<vec4<f32>>;
 #endif
 
 // Buckets are finest at the front, where the pixel still lets light through, and grow with depth behind it: log2 of
@@ -28,20 +37,40 @@ fn bucket_of(behind: f32) -> u32 {
 
 @compute @workgroup_size(64)
 fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
-    let item = id.x + id.y * n_groups.x * 64u;
-    if item >= raster.n_items {
-        return;
-    }
-    let vertex = segment_of(item);
+    let vertex = segment_of(id.x + id.y * n_groups.x * 64u);
     if vertex == NO_VERTEX {
         return;
     }
+#ifdef SCATTER
     let span = spans[vertex];
-    let length = span.x;
-    if length <= 0.0 {
+    let line = lines[vertex];
+    if span.x <= 0.0 {
         return;
     }
-    let line = lines[vertex];
+#else
+    let root = vertices[vertex];
+    let tip = vertices[vertex + 1u];
+    let a = project(raster.view, root.xyz);
+    let b = project(raster.view, tip.xyz);
+    let offset = b.xy - a.xy;
+    let length2 = dot(offset, offset);
+    let half_a = root.w * raster.view.pixels_per_tangent / a.z;
+    let half_b = tip.w * raster.view.pixels_per_tangent / b.z;
+    let reach = max(half_a, half_b) + 1.0;
+    let picture = vec2<f32>(raster.view.size);
+    let is_seen = min(a.z, b.z) > raster.view.near && length2 > 1e-12
+        && all(max(a.xy, b.xy) > vec2<f32>(-reach)) && all(min(a.xy, b.xy) < picture + reach);
+    if !is_seen {
+        spans[vertex] = vec4<f32>(0.0);
+        return;
+    }
+    let line = vec4<f32>(a.xy, offset * inverseSqrt(length2));
+    let packed = bitcast<f32>(pack2x16float(vec2<f32>(half_a, half_b)));
+    let span = vec4<f32>(sqrt(length2), a.z, b.z, packed);
+    lines[vertex] = line;
+    spans[vertex] = span;
+#endif
+    let length = span.x;
     let half_widths = unpack2x16float(bitcast<u32>(span.w));
     let u = line.zw;
     let size = abs(u);
@@ -84,10 +113,8 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
             let t = clamp(dot(middle - line.xy, u) / length, 0.0, 1.0);
             let coarse = vec2<u32>(middle / COARSE);
             let coarse_idx = coarse.y * raster.n_coarse.x + coarse.x;
-            let of_samples = fronts[coarse_idx];
-            let front = select(of_samples, fronts[coarse_idx + raster.n_coarse.x * raster.n_coarse.y], of_samples == 0u);
-            let behind = select(mix(span.y, span.z, t) - bitcast<f32>(~front), 0.0, front == 0u);
-            let bucket = bucket_of(behind);
+            let front = select(bitcast<f32>(~fronts[coarse_idx]), raster.nearest, fronts[coarse_idx] == 0u);
+            let bucket = bucket_of(mix(span.y, span.z, t) - front);
             let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
 #ifdef SCATTER
             entries[place] = vertex | (bucket << ENTRY_BITS);

@@ -1,14 +1,18 @@
-// A tile's segments onto its pixels, one thread a pixel, near to far, until nothing more shines through.
+// A tile's segments onto its pixels, near to far, until nothing more shines through.
 //
-// There is no barrier and no workgroup memory: the threads of a tile read the same entries, which caches serve, and
-// barriers are what the software driver is slowest at.
+// A thread takes a segment and walks the pixels that it touches; sums of a few depth buckets lie in workgroup memory.
+// Then a thread takes a pixel and composites those buckets. So work grows with touched pixels and not with the area
+// of tiles, and a frame has few barriers.
 #import lorelei::raster_frame::{raster, raster_layers, Tile, ENTRY_BITS}
-#import lorelei::coverage::{Strip, strip_place, strip_reach, strip_coverage}
-#import lorelei::blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::tile::{TILE, N_PIXELS, N_BUCKETS}
+#import lorelei::coverage::{strip_of, strip_coverage}
+#import lorelei::blend::{Blend, BlendScale, N_OPEN, N_WALKS, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
 
 struct Round { round: u32 }
 @group(0) @binding(auto) var<uniform> round: Round;
 @group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
+// After scattering: where each bucket's part of the list ends.
+@group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
 @group(0) @binding(auto) var<storage, read> entries: array<u32>;
 @group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
@@ -19,58 +23,146 @@ struct Round { round: u32 }
 @group(0) @binding(auto) var hair: texture_storage_2d<rgba16float, write>;
 
 const VERTEX: u32 = (1u << ENTRY_BITS) - 1u;
+const SIDE: i32 = i32(TILE);
+// Threads that share a segment.
+const N_PARTS: u32 = 2u;
+
+// For each pixel of the tile: depth of the head, and the share of the pixel that is open behind it.
+var<workgroup> surfaces: array<vec2<f32>, N_PIXELS>;
+// Bits of the nearest of those depths.
+var<workgroup> nearest_surface: atomic<u32>;
+// Pixels that are not done: for each column a bit of each row, then for each row a bit of each column.
+var<workgroup> open_pixels: array<atomic<u32>, 2u * u32(TILE)>;
 
 fn unpacked(vertex: u32) -> vec4<f32> {
     let packed = radiance[vertex];
     return vec4<f32>(unpack2x16float(packed.x), unpack2x16float(packed.y));
 }
 
-@compute @workgroup_size(8, 8)
-fn fine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) local: vec3<u32>) {
-    let tile = tiles[group.y * raster.n_tiles.x + group.x];
-    let pixel = group.xy * 8u + local.xy;
-    if tile.round != round.round || any(pixel >= raster.view.size) {
+// A segment's fragments in the tile, column by column along its longer axis ("columns" are rows where it is steep).
+fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u32, tile_origin: vec2<f32>) {
+    let vertex = entry & VERTEX;
+    let line = lines[vertex];
+    let span = spans[vertex];
+    let fibre_a = unpacked(vertex);
+    let fibre_step = unpacked(vertex + 1u) - fibre_a;
+    let strip = strip_of(line.zw, span.x, unpack2x16float(bitcast<u32>(span.w)));
+    let bucket = (entry >> ENTRY_BITS) - first_bucket;
+    let can_be_hidden = max(span.y, span.z) > bitcast<f32>(atomicLoad(&nearest_surface));
+    let is_steep = abs(line.w) > abs(line.z);
+    // (longer, shorter)
+    let u = select(line.zw, line.wz, is_steep);
+    let from_tile = line.xy - tile_origin;
+    let origin = select(from_tile, from_tile.yx, is_steep);
+    let strides = select(vec2<u32>(1u, u32(SIDE)), vec2<u32>(u32(SIDE), 1u), is_steep);
+    let lane = select(0u, u32(SIDE), is_steep);
+    let across = strip.half_width + strip.reach;
+    let end = 0.5 * strip.a;
+    let ends = u.x * vec2<f32>(-end, strip.length + end);
+    let slack = across * abs(u.y);
+    let first_column = max(i32(ceil(origin.x + min(ends.x, ends.y) - slack - 0.5)), 0);
+    let last_column = min(i32(floor(origin.x + max(ends.x, ends.y) + slack - 0.5)), SIDE - 1);
+    let slope = u.y / u.x;
+    let half_height = across / strip.a;
+    for (var column = first_column + i32(part); column <= last_column; column += i32(N_PARTS)) {
+        let x = f32(column) + 0.5 - origin.x;
+        let middle = origin.y + x * slope - 0.5;
+        let first_row = max(i32(ceil(middle - half_height)), 0);
+        let last_row = min(i32(floor(middle + half_height)), SIDE - 1);
+        if last_row < first_row {
+            continue;
+        }
+        var rows = atomicLoad(&open_pixels[lane + u32(column)]) & ((2u << u32(last_row)) - (1u << u32(first_row)));
+        while rows != 0u {
+            let row = firstTrailingBit(rows);
+            rows &= rows - 1u;
+            let y = f32(row) + 0.5 - origin.y;
+            let place = vec2<f32>(x * u.x + y * u.y, y * u.x - x * u.y);
+            let t = saturate(place.x * strip.per_length);
+            let fibre = fibre_a + t * fibre_step;
+            let coverage = strip_coverage(strip, place, t) * fibre.w;
+            let at = u32(column) * strides.x + row * strides.y;
+            let depth = mix(span.y, span.z, t);
+            var open = 1.0;
+            if can_be_hidden {
+                let surface = surfaces[at];
+                open = select(1.0, surface.y, depth > surface.x);
+            }
+            if coverage * open > 0.0 {
+                blend_add(walk_idx, scale, bucket, at, coverage, open, depth, fibre.xyz);
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(16, 16)
+fn fine(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) local_idx: u32,
+) {
+    let tile_idx = group.y * raster.n_tiles.x + group.x;
+    let tile = tiles[tile_idx];
+    if tile.round != round.round {
         return;
     }
-    let centre = vec2<f32>(pixel) + 0.5;
-    let surface_depth = textureLoad(head_depth, pixel, 0).x;
-    let open_behind = 1.0 - textureLoad(head_colour, pixel, 0).w;
-    var blend = Blend();
-    var bucket = 0u;
-    // Data is asked for one segment ahead, and its entry two ahead: where they come from is far away.
-    let last = tile.start + max(tile.n_entries, 1u) - 1u;
-    var entry = entries[tile.start];
-    var next_entry = entries[min(tile.start + 1u, last)];
-    var line = lines[entry & VERTEX];
-    var span = spans[entry & VERTEX];
-    for (var left = tile.n_entries; left > 0u; left--) {
-        let next_line = lines[next_entry & VERTEX];
-        let next_span = spans[next_entry & VERTEX];
-        let far_entry = entries[min(last + 3u - left, last)];
-        if entry >> ENTRY_BITS != bucket {
-            blend_close(&blend);
-            if blend_is_done(blend) {
-                break;
-            }
-            bucket = entry >> ENTRY_BITS;
+    let pixel = group.xy * u32(SIDE) + local.xy;
+    let is_inside = all(pixel < raster.view.size);
+    if tile.n_entries == 0u {
+        if is_inside {
+            textureStore(hair, pixel, vec4<f32>(0.0));
         }
-        let strip = Strip(line.xy, line.zw, span.x, unpack2x16float(bitcast<u32>(span.w)));
-        let place = strip_place(strip, centre);
-        let reach = strip_reach(strip);
-        let half_width = max(strip.half_widths.x, strip.half_widths.y);
-        if abs(place.y) < half_width + reach.x && abs(place.x - 0.5 * span.x) < 0.5 * (span.x + reach.y) {
-            let vertex = entry & VERTEX;
-            let t = clamp(place.x / span.x, 0.0, 1.0);
-            let fibre = mix(unpacked(vertex), unpacked(vertex + 1u), t);
-            let depth = mix(span.y, span.z, t);
-            let open = select(1.0, open_behind, depth > surface_depth);
-            blend_add(&blend, strip_coverage(strip, place) * fibre.w, open, depth, fibre.xyz);
-        }
-        entry = next_entry;
-        next_entry = far_entry;
-        line = next_line;
-        span = next_span;
+        return;
     }
-    blend_close(&blend);
-    textureStore(hair, pixel, blend_colour(blend));
+    let tile_origin = vec2<f32>(group.xy) * TILE;
+    if local_idx == 0u {
+        atomicStore(&nearest_surface, 0x7f800000u);
+    }
+    if local_idx < 2u * u32(SIDE) {
+        atomicStore(&open_pixels[local_idx], (1u << u32(SIDE)) - 1u);
+    }
+    workgroupBarrier();
+    var surface = vec2<f32>(0.0);
+    if is_inside {
+        surface = vec2<f32>(textureLoad(head_depth, pixel, 0).x, 1.0 - textureLoad(head_colour, pixel, 0).w);
+        atomicMin(&nearest_surface, bitcast<u32>(surface.x));
+    }
+    surfaces[local_idx] = surface;
+    blend_clear(local_idx);
+    var blend = Blend();
+    var is_open = true;
+    var first = tile.start;
+    for (var bucket = 0u; bucket < N_BUCKETS; bucket += N_OPEN) {
+        let end = bucket_ends[tile_idx * N_BUCKETS + bucket + N_OPEN - 1u];
+        if end == first {
+            continue;
+        }
+        let scale = blend_scale(end - first);
+        for (var walk_idx = 0u; walk_idx < N_WALKS; walk_idx++) {
+            workgroupBarrier();
+            for (var k = first + local_idx / N_PARTS; k < end; k += N_PIXELS / N_PARTS) {
+                walk(entries[k], local_idx % N_PARTS, walk_idx, scale, bucket, tile_origin);
+            }
+        }
+        workgroupBarrier();
+        blend_close(&blend, scale, local_idx);
+        blend_clear(local_idx);
+        if is_open && (blend_is_done(blend) || !is_inside) {
+            is_open = false;
+            atomicAnd(&open_pixels[local.x], ~(1u << local.y));
+            atomicAnd(&open_pixels[u32(SIDE) + local.y], ~(1u << local.x));
+        }
+        first = end;
+        workgroupBarrier();
+        var still_open = 0u;
+        for (var k = 0u; k < u32(SIDE); k++) {
+            still_open |= atomicLoad(&open_pixels[k]);
+        }
+        if still_open == 0u {
+            break;
+        }
+    }
+    if is_inside {
+        textureStore(hair, pixel, blend_colour(blend));
+    }
 }

@@ -14,6 +14,13 @@ struct RasterFrame {
     // List entries that a round may start in: see raster_alloc.wgsl.
     round_size: u32,
     n_rounds: u32,
+    // 2 to the power of the picture's stops.
+    exposure: f32,
+    // Depth in front of which there is no hair.
+    nearest: f32,
+    // One strand in so many is a sample.
+    sample_step: u32,
+    pad: u32,
 }
 
 struct RasterLayer {
@@ -36,11 +43,8 @@ struct Tile {
 @group(0) @binding(auto) var<storage, read> raster_layers: array<RasterLayer>;
 
 const NO_VERTEX: u32 = 0xFFFFFFFFu;
-// Side of a tile in pixels: 64 threads draw one.
-const TILE: f32 = 8.0;
 const COARSE: f32 = 32.0;
-// Depth buckets of a tile. A list entry is a vertex in the low 26 bits and its bucket in the high 6.
-const N_BUCKETS: u32 = 64u;
+// A list entry is a vertex in the low bits and its bucket above them.
 const ENTRY_BITS: u32 = 26u;
 
 // The first vertex of the segment of a thread, NO_VERTEX where a strand has ended.
@@ -58,15 +62,19 @@ fn segment_of(item: u32) -> u32 {
     return NO_VERTEX;
 }
 
-// Whether a vertex is on one of the strands that stand for all: one in sixteen, spread over the scalp, since strands
-// are in the order of the level of detail.
-fn is_sample(vertex: u32) -> bool {
+// The same for the strands that stand for all.
+fn sampled_segment_of(item: u32) -> u32 {
+    var left = item;
     for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
         let layer = raster_layers[layer_idx];
-        let n = layer.n_strands * layer.vertices_per_strand;
-        if vertex >= layer.first_vertex && vertex - layer.first_vertex < n {
-            return ((vertex - layer.first_vertex) / layer.vertices_per_strand) % 16u == 0u;
+        let n = ((layer.n_strands + raster.sample_step - 1u) / raster.sample_step) * layer.vertices_per_strand;
+        if left < n {
+            let along = left % layer.vertices_per_strand;
+            let strand = left / layer.vertices_per_strand * raster.sample_step;
+            let vertex = layer.first_vertex + strand * layer.vertices_per_strand + along;
+            return select(vertex, NO_VERTEX, along == layer.vertices_per_strand - 1u);
         }
+        left -= n;
     }
-    return false;
+    return NO_VERTEX;
 }

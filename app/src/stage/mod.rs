@@ -60,6 +60,15 @@ struct Moving {
     bindings: Vec<Arc<LayerBinding>>,
 }
 
+/// Shaders of a folder where `LORELEI_SHADERS` names one, for whoever edits them: each frame looks whether a file has
+/// changed. The program's own otherwise.
+fn shader_library() -> Result<ShaderLibrary, ShaderError> {
+    match std::env::var_os("LORELEI_SHADERS") {
+        Some(folder) => ShaderLibrary::watching(folder.as_ref()),
+        None => Ok(ShaderLibrary::embedded()),
+    }
+}
+
 /// One groom on one device.
 pub struct Stage {
     gpu: Gpu,
@@ -80,7 +89,7 @@ pub struct Stage {
 
 impl Stage {
     pub fn new(gpu: Gpu) -> Result<Self, StageError> {
-        let library = ShaderLibrary::embedded();
+        let library = shader_library()?;
         Ok(Self {
             renderer: Renderer::new(&gpu, library.clone())?,
             gpu,
@@ -145,6 +154,7 @@ impl Stage {
         size: [u32; 2],
         lod: f32,
     ) -> Result<(), StageError> {
+        self.library.poll()?;
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
         if self.n_resets != playback.n_resets {

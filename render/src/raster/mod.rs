@@ -1,22 +1,21 @@
 //! The compute rasteriser: segments into tiles of 8 x 8 pixels, sorted by depth into buckets, composited near to far.
 //!
 //! ```text
-//! setup     a segment a thread   vertices -> line in pixels, depths, widths; nearest depth of each coarse tile
-//! count     a segment a thread   how many segments each (tile, bucket) gets
+//! front     a segment of a sampled strand a thread   how near the hair comes in each coarse tile
+//! count     a segment a thread   vertices -> line in pixels, depths, widths; how many each (tile, bucket) gets
 //! allocate  a tile a thread      where in the list each bucket starts
 //! scatter   a segment a thread   segments into their buckets
-//! fine      a pixel a thread     coverage of each segment in turn, composited, until nothing shines through
+//! fine      see [`Threads`]      coverage of each segment in turn, composited, until nothing shines through
 //! ```
 //!
-//! There are no barriers (the software driver's slowest instruction) and no sort: the list is made by counting.
-//! Buckets are finest at the front of the hair in the tile's neighbourhood, where a pixel still lets light through.
-//! Segments behind a tile that is all head are never listed. The list is made in up to N_ROUNDS parts: raster_alloc.wgsl.
-//! What would need more parts is left out, silently: at most two were ever seen in use.
+//! There is no sort: the list is made by counting. Buckets are finest at the front of the hair in the tile's
+//! neighbourhood, where a pixel still lets light through. Segments behind a tile that is all head are never listed. The
+//! list is made in up to N_ROUNDS parts: raster_alloc.wgsl. What would need more parts is left out, and
+//! [`Raster::n_entries`] tells.
 //!
-//! Rejected: one thread a tile, for drivers that run on a CPU (dense tiles lost hair on llvmpipe, most likely because
-//! it bounds how often a thread may go round its loops); one thread a segment with atomics on the pixel (a global
-//! atomic per fragment and channel, two passes over all fragments for their order); accumulators in workgroup memory
-//! (two barriers for every 64 segments); sorting fragments (tens of millions a frame).
+//! Rejected: a thread a pixel that reads all of its tile's segments (three times the time on an H200, two on a CPU);
+//! one thread a segment with atomics on pixels in memory (a global atomic per fragment and channel, two passes over all
+//! fragments for their order); sorting fragments (tens of millions a frame).
 
 use std::collections::HashMap;
 
@@ -26,14 +25,12 @@ use wgpu::BufferUsages;
 
 use crate::frame::Targets;
 use crate::mirror::{DrawnLayer, StrandBuffers};
+use crate::scene::Ball;
 use crate::slot;
 use crate::view::View;
 
-/// Side of a tile and of a coarse tile, pixels; twins of `TILE` and `COARSE`.
-const TILE: u32 = 8;
+/// Side of a coarse tile, pixels; twin of `COARSE`.
 const COARSE: u32 = 32;
-/// Twin of `N_BUCKETS`.
-const N_BUCKETS: u64 = 64;
 /// A list entry keeps its vertex in 26 bits.
 const MAX_VERTICES: u32 = 1 << 26;
 /// Parts that the list may be made in. One is enough but for a groom of few, very long segments.
@@ -54,10 +51,77 @@ struct FrameUniform {
     n_layers: u32,
     round_size: u32,
     n_rounds: u32,
+    exposure: f32,
+    nearest: f32,
+    sample_step: u32,
+    pad: u32,
+}
+
+/// What the threads of the last pass own: the fastest depends on the kind of device.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Threads {
+    /// A thread walks the pixels of a segment and adds to sums in workgroup memory: `raster_fine.wgsl`.
+    Segments,
+    /// A thread is a lane of a CPU's vectors and owns a column of pixels: `raster_lanes.wgsl`.
+    Lanes,
+}
+
+impl Threads {
+    /// The faster one.
+    pub fn for_gpu(gpu: &Gpu) -> Self {
+        let info = &gpu.adapter_info;
+        let has_lanes = gpu.has(wgpu::Features::SUBGROUP) && info.subgroup_min_size >= 8;
+        if info.device_type == wgpu::DeviceType::Cpu && has_lanes { Self::Lanes } else { Self::Segments }
+    }
+
+    /// Side of a tile in pixels.
+    fn tile_side(self) -> u32 {
+        match self {
+            Self::Segments => 16,
+            Self::Lanes => 8,
+        }
+    }
+
+    /// Depth buckets of a tile.
+    fn n_buckets(self) -> u64 {
+        match self {
+            Self::Segments => 64,
+            Self::Lanes => 24,
+        }
+    }
+
+    /// Twin of [`Threads::tile_side`] and [`Threads::n_buckets`], for every shader that knows of tiles.
+    pub fn tile_slot(self) -> Link<'static> {
+        Link::Slot(
+            "tile",
+            match self {
+                Self::Segments => "tile_16",
+                Self::Lanes => "tile_8",
+            },
+        )
+    }
+
+    /// The last pass; `is_wide` only matters to lanes.
+    fn fine(
+        self,
+        library: &ShaderLibrary,
+        gpu: &Gpu,
+        (transparency, is_wide): (Transparency, bool),
+    ) -> Result<Kernel, ShaderError> {
+        let (file, blend) = match self {
+            Self::Segments => ("raster_fine", slot::transparency(transparency)),
+            Self::Lanes => ("raster_lanes", slot::transparency_in_lanes(transparency)),
+        };
+        let mut links = vec![blend, self.tile_slot()];
+        if is_wide {
+            links.push(Link::Def("WIDE"));
+        }
+        library.kernel(gpu, file, "fine", &[], &links)
+    }
 }
 
 struct Kernels {
-    setup: Kernel,
+    front: Kernel,
     count: Kernel,
     scatter: Kernel,
     allocate: Kernel,
@@ -73,14 +137,16 @@ pub(crate) struct Segments {
     pub spans: wgpu::Buffer,
     fronts: wgpu::Buffer,
     pub tile_backs: wgpu::Buffer,
-    /// Vertices of drawn strands.
+    /// Vertices of drawn strands, and of those that stand for all.
     pub n_items: u32,
+    n_sampled: u32,
 }
 
 /// The rasteriser with its buffers.
 pub(crate) struct Raster {
+    threads: Threads,
     kernels: Hot<Kernels>,
-    fine: HashMap<Transparency, Hot<Kernel>>,
+    fine: HashMap<(Transparency, bool), Hot<Kernel>>,
     pub segments: Segments,
     buckets: wgpu::Buffer,
     tiles: wgpu::Buffer,
@@ -89,6 +155,21 @@ pub(crate) struct Raster {
     arguments: wgpu::Buffer,
     rounds: Vec<wgpu::Buffer>,
     n_tiles: [u32; 2],
+    /// Strands may be wider on the screen than [`WIDE`].
+    is_wide: bool,
+}
+
+/// Half width in pixels up to which a strip is a line with a weight: `THIN` of coverage.wgsl, and what it costs to be
+/// wrong about a few strands that come nearer than the ball around the groom.
+const WIDE: f32 = 0.2;
+
+/// What a frame asks of the rasteriser.
+pub(crate) struct RasterInput {
+    pub view: View,
+    /// Around the groom.
+    pub ball: Ball,
+    /// What the picture's light is multiplied with.
+    pub exposure: f32,
 }
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
@@ -105,10 +186,11 @@ pub struct TooManyVertices {
 }
 
 impl Raster {
-    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Self, ShaderError> {
         let storage = |label| gpu.buffer(label, 0, STORAGE);
         Ok(Self {
-            kernels: Hot::new(library, |library| make_kernels(gpu, library))?,
+            threads,
+            kernels: Hot::new(library, |library| make_kernels(gpu, library, threads))?,
             fine: HashMap::new(),
             segments: Segments {
                 frame: gpu.buffer("raster.frame", size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM),
@@ -118,6 +200,7 @@ impl Raster {
                 fronts: storage("raster.fronts"),
                 tile_backs: storage("raster.tile_backs"),
                 n_items: 0,
+                n_sampled: 0,
             },
             buckets: storage("raster.buckets"),
             tiles: storage("raster.tiles"),
@@ -128,7 +211,12 @@ impl Raster {
                 .map(|round| gpu.buffer_of("raster.round", &[round], BufferUsages::UNIFORM))
                 .collect(),
             n_tiles: [0; 2],
+            is_wide: false,
         })
+    }
+
+    pub fn threads(&self) -> Threads {
+        self.threads
     }
 
     pub fn shader_error(&self) -> Option<&ShaderError> {
@@ -167,10 +255,11 @@ impl Raster {
         &mut self,
         gpu: &Gpu,
         library: &ShaderLibrary,
-        view: View,
         strands: &StrandBuffers,
+        input: &RasterInput,
     ) -> Result<(), crate::RenderError> {
-        self.kernels.refresh(library, |library| make_kernels(gpu, library));
+        let threads = self.threads;
+        self.kernels.refresh(library, |library| make_kernels(gpu, library, threads));
         let n_items: u32 = strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum();
         let n_vertices = strands.n_vertices;
         let available = gpu.max_storage_binding();
@@ -180,8 +269,9 @@ impl Raster {
             let (needed, available) = (needed >> 20, available >> 20);
             return Err(TooManyVertices { n_vertices, needed, available }.into());
         }
+        let view = input.view;
         let [width, height] = view.size;
-        let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
+        let n_tiles = [width.div_ceil(self.threads.tile_side()), height.div_ceil(self.threads.tile_side())];
         let n_coarse = [width.div_ceil(COARSE), height.div_ceil(COARSE)];
         let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
         let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
@@ -194,13 +284,20 @@ impl Raster {
             fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
-            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 8);
+            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 4);
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
-            fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
+            fit(gpu, &mut self.buckets, n_all_tiles * self.threads.n_buckets() * 4);
             fit(gpu, &mut self.tiles, n_all_tiles * 16);
             fit(gpu, &mut self.entries, (round_size + u64::from(n_items)) * 4);
         })?;
         segments.n_items = n_items;
+        // Enough strands that a coarse tile of dense hair has one.
+        let n_strands: u32 = strands.layers.iter().map(|layer| layer.n_strands).sum();
+        let sample_step = (n_strands / 2000).clamp(1, 16);
+        segments.n_sampled =
+            strands.layers.iter().map(|layer| layer.n_strands.div_ceil(sample_step) * layer.vertices_per_strand).sum();
+        let nearest = (input.ball.centre.distance(view.eye.into()) - input.ball.radius).max(view.near);
+        self.is_wide = strands.widest * view.pixels_per_tangent > WIDE * nearest;
         self.n_tiles = n_tiles;
         let frame = FrameUniform {
             view,
@@ -210,48 +307,35 @@ impl Raster {
             n_layers: strands.layers.len() as u32,
             round_size: self.round_size().min(u64::from(u32::MAX)) as u32,
             n_rounds: N_ROUNDS as u32,
+            exposure: input.exposure,
+            nearest,
+            sample_step,
+            pad: 0,
         };
         gpu.queue.write_buffer(&self.segments.frame, 0, bytemuck::bytes_of(&frame));
         gpu.queue.write_buffer(&self.segments.layers, 0, bytemuck::cast_slice(&strands.layers));
         Ok(())
     }
 
-    /// Segments into pixels.
-    pub fn record_setup(
+    /// How near the hair comes; segments into pixels; how long the list is and where each tile's part begins.
+    pub fn record_count(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         strands: &StrandBuffers,
     ) -> Result<(), ShaderError> {
-        let segments = &self.segments;
-        encoder.clear_buffer(&segments.fronts, 0, None);
-        let setup = self.kernels.setup.bind(
-            gpu,
-            &[
-                ("raster", segments.frame.as_entire_binding()),
-                ("raster_layers", segments.layers.as_entire_binding()),
-                ("vertices", strands.vertices.as_entire_binding()),
-                ("lines", segments.lines.as_entire_binding()),
-                ("spans", segments.spans.as_entire_binding()),
-                ("fronts", segments.fronts.as_entire_binding()),
-            ],
-        )?;
-        let mut pass = encoder
-            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.setup"), timestamp_writes: None });
-        self.kernels.setup.dispatch_items(&mut pass, &setup, segments.n_items);
-        Ok(())
-    }
-
-    /// Count segments and lay out the list.
-    pub fn record_count(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) -> Result<(), ShaderError> {
+        encoder.clear_buffer(&self.segments.fronts, 0, None);
         encoder.clear_buffer(&self.buckets, 0, None);
         encoder.clear_buffer(&self.n_entries, 0, None);
-        let resources = self.resources();
+        let mut resources = self.resources();
+        resources.push(("vertices", strands.vertices.as_entire_binding()));
+        let front = self.kernels.front.bind_used(gpu, &resources)?;
         let count = self.kernels.count.bind_used(gpu, &resources)?;
         let allocate = self.kernels.allocate.bind_used(gpu, &resources)?;
         let plan = self.kernels.plan.bind_used(gpu, &resources)?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.count"), timestamp_writes: None });
+        self.kernels.front.dispatch_items(&mut pass, &front, self.segments.n_sampled);
         self.kernels.count.dispatch_items(&mut pass, &count, self.segments.n_items);
         self.kernels.allocate.dispatch_items(&mut pass, &allocate, self.n_tiles[0] * self.n_tiles[1]);
         self.kernels.plan.dispatch(&mut pass, &plan, [1, 1, 1]);
@@ -283,6 +367,7 @@ impl Raster {
         resources.extend([
             ("round", self.rounds[round].as_entire_binding()),
             ("radiance", radiance.as_entire_binding()),
+            ("bucket_ends", self.buckets.as_entire_binding()),
             ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
             ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
             ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
@@ -305,15 +390,15 @@ impl Raster {
         targets: &Targets,
         profile: &mut crate::profile::Profile,
     ) -> Result<(), ShaderError> {
-        let make = |library: &ShaderLibrary| {
-            library.kernel(gpu, "raster_fine", "fine", &[], &[slot::transparency(transparency)])
-        };
-        if let Some(kernel) = self.fine.get_mut(&transparency) {
+        let threads = self.threads;
+        let key = (transparency, self.is_wide && threads == Threads::Lanes);
+        let make = |library: &ShaderLibrary| threads.fine(library, gpu, key);
+        if let Some(kernel) = self.fine.get_mut(&key) {
             kernel.refresh(library, make);
         } else {
-            self.fine.insert(transparency, Hot::new(library, make)?);
+            self.fine.insert(key, Hot::new(library, make)?);
         }
-        let fine = &self.fine[&transparency];
+        let fine = &self.fine[&key];
         profile.pass("raster.scatter", encoder, |encoder| self.record_scatter(gpu, encoder, 0))?;
         profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, radiance, targets, 0))?;
         profile.pass("raster.more_rounds", encoder, |encoder| {
@@ -351,13 +436,13 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
     }
 }
 
-fn make_kernels(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernels, ShaderError> {
+fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Kernels, ShaderError> {
     let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
     Ok(Kernels {
-        setup: kernel("raster_setup", "setup", &[])?,
-        count: kernel("raster_bin", "bin", &[])?,
-        scatter: kernel("raster_bin", "bin", &[Link::Def("SCATTER")])?,
-        allocate: kernel("raster_alloc", "allocate", &[])?,
-        plan: kernel("raster_alloc", "plan", &[])?,
+        front: kernel("raster_front", "front", &[])?,
+        count: kernel("raster_bin", "bin", &[threads.tile_slot()])?,
+        scatter: kernel("raster_bin", "bin", &[threads.tile_slot(), Link::Def("SCATTER")])?,
+        allocate: kernel("raster_alloc", "allocate", &[threads.tile_slot()])?,
+        plan: kernel("raster_alloc", "plan", &[threads.tile_slot()])?,
     })
 }

@@ -74,6 +74,7 @@ fn strand_buffers(gpu: &Gpu, points: &[Vec3]) -> StrandBuffers {
         }],
         n_vertices: points.len() as u32,
         n_strands,
+        widest: 0.01,
         generation: 1,
     }
 }

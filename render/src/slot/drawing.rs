@@ -14,6 +14,17 @@ pub fn transparency(choice: Transparency) -> Link<'static> {
     )
 }
 
+/// `lorelei::lane_blend`: the same where a thread owns pixels.
+pub fn transparency_in_lanes(choice: Transparency) -> Link<'static> {
+    Link::Slot(
+        "lane_blend",
+        match choice {
+            Transparency::FrontToBack => "lane_blend_front_to_back",
+            Transparency::Opaque => "lane_blend_opaque",
+        },
+    )
+}
+
 /// `lorelei::tonemap`: from scene light to the display.
 pub fn tonemapping(choice: Tonemapping) -> Link<'static> {
     Link::Slot(

@@ -4,5 +4,5 @@
 mod drawing;
 mod shading;
 
-pub use drawing::{background, tonemapping, transparency};
+pub use drawing::{background, tonemapping, transparency, transparency_in_lanes};
 pub use shading::{environment, lobes, multiple_scattering, scattering, shadowing};
