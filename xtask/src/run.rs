@@ -20,7 +20,9 @@ pub fn run(args: &[String]) -> Result<(), String> {
     status_of(lorelei)?;
     println!("There is no display here, so the default groom was rendered to {}", picture.display());
     println!("To open the studio's window: run `cargo xtask run` in a desktop session, or set DISPLAY to an X server");
-    println!("(for a virtual one: `xvfb-run -s \"-screen 0 1600x1000x24\" cargo xtask run`).");
+    println!(
+        "(for a virtual one: install `xvfb` and `xauth`, then `xvfb-run -s \"-screen 0 1600x1000x24\" cargo xtask run`)."
+    );
     Ok(())
 }
 

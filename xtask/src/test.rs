@@ -10,6 +10,10 @@ pub fn test(args: &[String]) -> Result<(), String> {
     machine::prepare(Needs::Tests)?;
     let mut command = cargo();
     command.current_dir(root()).args(["test", "--workspace", "--features", "xtask/bake", "--no-fail-fast"]).args(args);
+    if !args.iter().any(|arg| arg == "--") {
+        // What a passed test printed is hidden by default, and with it that it skipped something.
+        command.args(["--", "--show-output"]);
+    }
     if !machine::has_display() {
         machine::without_display(&mut command);
     }
@@ -19,8 +23,9 @@ pub fn test(args: &[String]) -> Result<(), String> {
     let mut totals = Totals::default();
     for line in BufReader::new(stdout).lines() {
         let line = line.map_err(|why| format!("cargo's output broke off: {why}"))?;
-        println!("{line}");
-        totals.add(&line);
+        if totals.add(&line) {
+            println!("{line}");
+        }
     }
     let status = child.wait().map_err(|why| format!("cargo did not end: {why}"))?;
     println!(
@@ -55,13 +60,25 @@ struct Totals {
     failed: u32,
     ignored: u32,
     skipped: u32,
+    /// Between `successes:` and what follows, where passed tests' output is.
+    is_in_successes: bool,
 }
 
 impl Totals {
-    fn add(&mut self, line: &str) {
-        if line.contains("skipped: ") {
-            self.skipped += 1;
+    /// True where the line is to be shown: of what passed tests printed, only what they skipped.
+    fn add(&mut self, line: &str) -> bool {
+        let is_skip = line.contains("skipped: ");
+        self.skipped += u32::from(is_skip);
+        match line {
+            "successes:" => self.is_in_successes = true,
+            "failures:" => self.is_in_successes = false,
+            _ => self.is_in_successes &= !line.starts_with("test result: "),
         }
+        self.count(line);
+        is_skip || !self.is_in_successes
+    }
+
+    fn count(&mut self, line: &str) {
         let Some(result) = line.strip_prefix("test result: ") else { return };
         for part in result.split([';', '.']) {
             let mut words = part.split_whitespace();
@@ -84,11 +101,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn totals_add_up_over_several_binaries() {
+    fn totals_add_up_and_of_what_passed_only_skips_are_shown() {
+        let output = "\
+test a ... ok
+successes:
+---- a stdout ----
+measured 12 ms
+skipped: no ../shared here
+successes:
+    a
+failures:
+---- b stdout ----
+it is 3
+test result: FAILED. 12 passed; 2 failed; 1 ignored; 0 measured; 0 filtered out; finished in 1.00s
+test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.00s";
         let mut totals = Totals::default();
-        totals.add("test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; 0 filtered out; finished in 1.00s");
-        totals.add("test result: FAILED. 3 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.00s");
-        totals.add("skipped: no ../shared here");
-        assert_eq!(totals, Totals { passed: 15, failed: 2, ignored: 1, skipped: 1 });
+        let shown: Vec<&str> = output.lines().filter(|line| totals.add(line)).collect();
+        let expected = Totals { passed: 15, failed: 2, ignored: 1, skipped: 1, is_in_successes: false };
+        assert_eq!(totals, expected);
+        assert_eq!(shown.len(), 7, "{shown:?}");
+        assert!(shown.contains(&"it is 3") && !shown.contains(&"measured 12 ms"));
     }
 }
