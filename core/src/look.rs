@@ -195,11 +195,13 @@ pub struct DeepOpacityParams {
     pub filter_radius: f32,
     /// Multiplies the extinction: 1 is the strands' own area.
     pub density: f32,
+    /// Strands that cast, wider by as much as they are fewer. They are spread over the scalp evenly.
+    pub n_strands: u32,
 }
 
 impl Default for DeepOpacityParams {
     fn default() -> Self {
-        Self { n_layers: 6, layer_size: 0.15, resolution: 1024, filter_radius: 1.5, density: 1.0 }
+        Self { n_layers: 6, layer_size: 0.15, resolution: 1024, filter_radius: 1.5, density: 1.0, n_strands: 25_000 }
     }
 }
 
@@ -397,6 +399,7 @@ impl Look {
                 number("shadowing.layer_size", "Layer size", "cm", (0.02, 4.0), &mut self.deep_opacity.layer_size, &["deep-opacity"], "Thickness of the first layer; each next one grows by as much"),
                 integer("shadowing.resolution", "Resolution", "texels", (128, 4096), &mut self.deep_opacity.resolution, &["deep-opacity"], "Side of the map"),
                 number("shadowing.filter", "Filter radius", "texels", (0.0, 4.0), &mut self.deep_opacity.filter_radius, &["deep-opacity"], "Softens the map's grain"),
+                integer("shadowing.strands", "Casting strands", "", (1_000, 4_000_000), &mut self.deep_opacity.n_strands, &["deep-opacity"], "Strands that cast, wider by as much as they are fewer: fewer are faster and grainier"),
                 number("shadowing.density", "Density", "", (0.0, 4.0), &mut self.deep_opacity.density, &["deep-opacity"], "1 is the strands' own area"),
             ] },
             Slot { key: "head", label: "Head", help: "The head under the hair", choice: &mut self.head, params: vec![

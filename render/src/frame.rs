@@ -20,6 +20,8 @@ pub struct FrameInput<'a> {
     pub world_from_head: Affine3A,
     /// Per layer: guide positions in world space, `array<vec4<f32>>`; `None` (or a list that ends earlier): at rest.
     pub guides: &'a [Option<&'a wgpu::Buffer>],
+    /// Changes when guides have moved since the last frame: what did not move is not made again.
+    pub guides_stamp: u64,
     /// Multiplies the look's level of detail: below 1 while the camera moves on a slow device.
     pub lod_scale: f32,
 }

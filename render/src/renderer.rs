@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use lorelei_core::groom::{Groom, HairMaterial};
-use lorelei_core::look::{HeadShading, Primitive, Transparency};
+use glam::Affine3A;
+use lorelei_core::look::{DeepOpacityParams, HeadShading, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -54,11 +55,35 @@ pub struct FrameStatistics {
     pub n_bytes: u64,
 }
 
+/// What strands are made from: while it is the same they are not made again.
+#[derive(Debug, Clone, PartialEq)]
+struct HairKey {
+    n_changes: u64,
+    shaders: u64,
+    buffers: u64,
+    world_from_head: Affine3A,
+    guides_stamp: u64,
+    lod: f32,
+}
+
+/// What shadows are made from besides strands.
+#[derive(Debug, Clone, PartialEq)]
+struct ShadowKey {
+    shadowing: Shadowing,
+    params: DeepOpacityParams,
+    lights: SceneLights,
+    head_casts: bool,
+}
+
 /// Renders one groom on one GPU.
 pub struct Renderer {
     gpu: Gpu,
     library: ShaderLibrary,
     groom: Option<Groom>,
+    /// Times that strands or the head changed.
+    n_changes: u64,
+    /// What the strands and shadows of the last frame were made from.
+    made_from: Option<(HairKey, ShadowKey)>,
     ball: Ball,
     generator: StrandGenerator,
     scene: SceneBuffers,
@@ -81,6 +106,8 @@ impl Renderer {
     fn with_threads(gpu: &Gpu, library: ShaderLibrary, threads: Threads) -> Result<Self, RenderError> {
         Ok(Self {
             groom: None,
+            n_changes: 0,
+            made_from: None,
             ball: Ball { centre: glam::Vec3::ZERO, radius: 1.0 },
             generator: StrandGenerator::new(gpu, &library)?,
             scene: SceneBuffers::new(gpu),
@@ -112,6 +139,7 @@ impl Renderer {
             })?;
         }
         if is_new_head || is_new_shape {
+            self.n_changes += 1;
             self.ball = Ball::of_groom(groom);
         }
         self.groom = Some(groom.clone());
@@ -119,7 +147,12 @@ impl Renderer {
         Ok(warnings)
     }
 
-    /// Record a frame. Submit the encoder before the next call.
+    /// Make everything again in the next frame, as if it had changed: for measurements.
+    pub fn forget(&mut self) {
+        self.made_from = None;
+    }
+
+    /// Record a frame. Strands and shadows of the last one stay where nothing that they depend on has changed. Submit the encoder before the next call.
     pub fn render(&mut self, encoder: &mut wgpu::CommandEncoder, input: &FrameInput<'_>) -> Result<(), RenderError> {
         self.gpu.take_error()?;
         self.profile.collect(&self.gpu);
@@ -178,13 +211,38 @@ impl Renderer {
         let raster_input = RasterInput { view, ball: self.ball, exposure: look.exposure.exp2() };
         self.raster.prepare(gpu, library, strands, &raster_input)?;
 
+        let hair_key = HairKey {
+            n_changes: self.n_changes,
+            shaders: library.generation(),
+            buffers: strands.generation,
+            world_from_head: input.world_from_head,
+            guides_stamp: input.guides_stamp,
+            lod,
+        };
+        let shadow_key = ShadowKey {
+            shadowing: look.shadowing,
+            params: look.deep_opacity.clone(),
+            lights: lights.clone(),
+            head_casts: shadow_input.head_casts,
+        };
+        let made_from = self.made_from.take();
+        let has_strands = made_from.as_ref().is_some_and(|(hair, _)| *hair == hair_key);
+        let has_shadows = has_strands && made_from.is_some_and(|(_, shadow)| shadow == shadow_key);
+
         // Strands, and the light that reaches them.
         profile.pass("generate", encoder, |encoder| {
+            if has_strands {
+                return;
+            }
             let mut pass = encoder
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("generate"), timestamp_writes: None });
             self.generator.record(&mut pass, &prepared);
         });
-        profile.pass("shadow", encoder, |encoder| self.shadow.record(encoder, strands, &shadow_input));
+        profile.pass("shadow", encoder, |encoder| {
+            if !has_shadows {
+                self.shadow.record(encoder, &shadow_input);
+            }
+        });
         profile.pass("shade", encoder, |encoder| self.shade.record(encoder, strands));
 
         // The head, and the depth that hair is hidden by.
@@ -228,6 +286,7 @@ impl Renderer {
         profile.pass("resolve", encoder, |encoder| {
             self.resolve.record(gpu, library, encoder, look, &self.view, &self.targets)
         })?;
+        self.made_from = Some((hair_key, shadow_key));
         Ok(())
     }
 

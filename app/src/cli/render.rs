@@ -61,10 +61,11 @@ pub struct RenderArguments {
     /// The picture: .png.
     #[arg(long, value_name = "PATH", default_value = "lorelei.png")]
     out: PathBuf,
-    /// Draw this many frames after one that is not counted; times are their medians.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Draw this many frames after one that is not counted; times are their medians. As many are drawn while only the
+    /// camera moves (orbit_frame_ms), when strands and shadows are kept.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     repeat: u32,
-    /// Print one JSON object: adapter, strands, vertices, frame_ms, gpu_ms (by pass), bytes, out.
+    /// Print one JSON object: adapter, strands, vertices, frame_ms, orbit_frame_ms, gpu_ms (by pass), bytes, out.
     #[arg(long)]
     json: bool,
 }
@@ -164,18 +165,24 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
             stage.frame(&playback, FRAME_SECS, &camera, [16, 16], 0.0).map_err(CliError::failed)?;
         }
     }
-    let mut frame = || -> Result<f32, CliError> {
+    let frame = |stage: &mut Stage, camera: &Camera| -> Result<f32, CliError> {
         let start = Instant::now();
-        stage.frame(&still, 0.0, &camera, arguments.size, 1.0).map_err(CliError::failed)?;
+        stage.frame(&still, 0.0, camera, arguments.size, 1.0).map_err(CliError::failed)?;
         Ok(ms_since(start))
     };
-    let first_frame_ms = frame()?;
-    let mut frame_times = Vec::new();
-    let mut pass_times: Vec<Vec<(String, f32)>> = Vec::new();
+    let first_frame_ms = frame(&mut stage, &camera)?;
+    let mut pass_times = vec![stage.pass_times()];
+    let (mut orbit_times, mut frame_times) = (Vec::new(), vec![first_frame_ms]);
+    if arguments.repeat > 0 {
+        (pass_times, frame_times) = (Vec::new(), Vec::new());
+    }
+    for n in 1..=arguments.repeat {
+        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.5 * n as f32, ..camera.clone() };
+        orbit_times.push(frame(&mut stage, &turned)?);
+    }
     for _ in 0..arguments.repeat {
-        let start = Instant::now();
-        stage.frame(&still, 0.0, &camera, arguments.size, 1.0).map_err(CliError::failed)?;
-        frame_times.push(ms_since(start));
+        stage.forget();
+        frame_times.push(frame(&mut stage, &camera)?);
         pass_times.push(stage.pass_times());
     }
     let picture = stage.read_pixels().map_err(CliError::failed)?;
@@ -199,6 +206,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
             "prepare_ms": prepare_ms,
             "first_frame_ms": first_frame_ms,
             "frame_ms": frame_ms,
+            "orbit_frame_ms": (arguments.repeat > 0).then(|| median(orbit_times)),
             "repeat": arguments.repeat,
             "gpu_ms": passes,
             "bytes": statistics.n_bytes,

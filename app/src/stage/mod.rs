@@ -82,6 +82,8 @@ pub struct Stage {
     world_from_head: Affine3A,
     n_steps: u64,
     n_resets: u64,
+    /// Times that guides moved.
+    n_moves: u64,
     /// A copy of the last picture that stays while the next is drawn.
     shown: Option<wgpu::Texture>,
     is_lost: bool,
@@ -102,6 +104,7 @@ impl Stage {
             world_from_head: Affine3A::IDENTITY,
             n_steps: 0,
             n_resets: 0,
+            n_moves: 0,
             shown: None,
             is_lost: false,
         })
@@ -125,11 +128,17 @@ impl Stage {
                 && old.bindings.iter().zip(&bindings).all(|(a, b)| Arc::ptr_eq(a, b) || a.guides == b.guides)
         };
         self.moving = self.moving.take().filter(is_same);
+        self.n_moves += 1;
         Ok(warnings)
     }
 
     fn bindings(&self) -> Vec<Arc<LayerBinding>> {
         (0..self.n_layers).filter_map(|layer_idx| self.renderer.mirror().binding(layer_idx).cloned()).collect()
+    }
+
+    /// Make everything again in the next frame: for measurements.
+    pub fn forget(&mut self) {
+        self.renderer.forget();
     }
 
     /// Draw a frame and wait until it is on the GPU's output.
@@ -160,13 +169,16 @@ impl Stage {
         if self.n_resets != playback.n_resets {
             self.n_resets = playback.n_resets;
             self.moving = None;
+            self.n_moves += 1;
             self.time_secs = 0.0;
         }
         let n_steps = playback.n_steps.saturating_sub(self.n_steps);
         self.n_steps = playback.n_steps;
         if playback.is_playing {
+            self.n_moves += 1;
             self.pass_time(playback, dt_secs, &mut encoder)?;
         } else if n_steps > 0 {
+            self.n_moves += 1;
             for _ in 0..n_steps.min(16) {
                 self.pass_step(playback, &mut encoder)?;
             }
@@ -175,6 +187,7 @@ impl Stage {
             if pose != self.world_from_head {
                 // Put somewhere else while nothing moves: the hair is simply there too.
                 self.moving = None;
+                self.n_moves += 1;
                 self.world_from_head = pose;
             }
         }
@@ -183,7 +196,8 @@ impl Stage {
             .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
             .collect();
         let world_from_head = self.world_from_head;
-        let input = FrameInput { camera, size, world_from_head, guides: &guides, lod_scale: lod };
+        let input =
+            FrameInput { camera, size, world_from_head, guides: &guides, guides_stamp: self.n_moves, lod_scale: lod };
         self.renderer.render(&mut encoder, &input)?;
         copy_to_shown(&self.gpu, &mut self.shown, self.renderer.output(), &mut encoder);
         self.gpu.queue.submit([encoder.finish()]);

@@ -21,7 +21,7 @@ use lorelei_core::mesh::TriMesh;
 use lorelei_shaders::{Bindings, Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary, grid_1d};
 use wgpu::BufferUsages;
 
-use crate::mirror::StrandBuffers;
+use crate::mirror::{DrawnLayer, StrandBuffers};
 use crate::scene::{Ball, SceneLights};
 
 pub use camera::ShadowLight;
@@ -124,6 +124,25 @@ impl MapSize {
     }
 }
 
+/// The first strands of a layer, that stand for all of them: strands are in the order of the level of detail.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Caster {
+    layer: DrawnLayer,
+    width_scale: f32,
+}
+
+/// At most about `most` strands in all, the same share of each layer.
+fn casters(layers: &[DrawnLayer], most: u32) -> Vec<Caster> {
+    let n_all: u32 = layers.iter().map(|layer| layer.n_strands).sum();
+    let share = (f64::from(most) / f64::from(n_all.max(1))).min(1.0);
+    let caster = |layer: &DrawnLayer| {
+        let n_strands = (f64::from(layer.n_strands) * share).ceil() as u32;
+        let width_scale = layer.n_strands as f32 / n_strands.max(1) as f32;
+        Caster { layer: DrawnLayer { n_strands, ..*layer }, width_scale }
+    };
+    layers.iter().map(caster).collect()
+}
+
 /// Bindings that hold as long as the maps and the strands' buffers are the same.
 struct Bound {
     strands_generation: u64,
@@ -143,6 +162,7 @@ pub struct Shadow {
     kernels: Hot<Kernels>,
     maps: Maps,
     head: Option<Head>,
+    casters: Vec<Caster>,
     bound: Option<Bound>,
     generation: u64,
 }
@@ -154,6 +174,7 @@ impl Shadow {
             kernels: Hot::new(library, |library| make_kernels(gpu, library, size.n_layers))?,
             maps: Maps::new(gpu, size),
             head: None,
+            casters: Vec::new(),
             bound: None,
             generation: 0,
         })
@@ -246,12 +267,13 @@ impl Shadow {
         if self.bound.as_ref().is_none_or(|bound| bound.is_stale(strands)) {
             self.bound = Some(self.bind(gpu, strands)?);
         }
-        for (layer, pass) in strands.layers.iter().zip(self.bound.iter().flat_map(|bound| &bound.layers)) {
+        self.casters = casters(&strands.layers, input.params.n_strands);
+        for (caster, pass) in self.casters.iter().zip(self.bound.iter().flat_map(|bound| &bound.layers)) {
             let uniform = LayerUniform {
-                first_vertex: layer.first_vertex,
-                n_segments: layer.n_segments(),
-                vertices_per_strand: layer.vertices_per_strand,
-                width_scale: 1.0,
+                first_vertex: caster.layer.first_vertex,
+                n_segments: caster.layer.n_segments(),
+                vertices_per_strand: caster.layer.vertices_per_strand,
+                width_scale: caster.width_scale,
             };
             gpu.queue.write_buffer(&pass.uniform, 0, bytemuck::bytes_of(&uniform));
         }
@@ -304,7 +326,7 @@ impl Shadow {
     }
 
     /// Record the passes. Nothing where shadowing is off.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, strands: &StrandBuffers, input: &ShadowInput<'_>) {
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, input: &ShadowInput<'_>) {
         let (Shadowing::DeepOpacity, Some(bound)) = (input.shadowing, &self.bound) else { return };
         let n_lights = input.lights.lights.len() as u32;
         if n_lights == 0 {
@@ -334,7 +356,10 @@ impl Shadow {
                 label: Some("shadow.deep_opacity"),
                 timestamp_writes: None,
             });
-            let layers = || strands.layers.iter().zip(&bound.layers).filter(|(layer, _)| layer.n_strands > 0);
+            let layers = || {
+                let layers = self.casters.iter().map(|caster| caster.layer);
+                layers.zip(&bound.layers).filter(|(layer, _)| layer.n_strands > 0)
+            };
             for (layer, buffers) in layers() {
                 let grid = grid_1d(layer.n_segments(), self.kernels.front.workgroup_size()[0]);
                 self.kernels.front.dispatch(&mut pass, &buffers.front, grid);

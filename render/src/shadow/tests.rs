@@ -110,7 +110,7 @@ fn look_up(
     resources.push(("answers", answers.as_entire_binding()));
     let bindings = kernel.bind_used(&gpu, &resources).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    shadow.record(&mut encoder, &strands, &input);
+    shadow.record(&mut encoder, &input);
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         kernel.dispatch_items(&mut pass, &bindings, at.len() as u32);
