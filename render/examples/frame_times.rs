@@ -30,7 +30,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     renderer.set_groom(&groom)?;
     println!("groom after {:.2} s", started.elapsed().as_secs_f64());
     let camera = Camera { target: Vec3::new(0.0, -6.0, 0.0), distance: 95.0, ..Camera::default() };
-    let input = FrameInput { camera: &camera, size, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let input = FrameInput {
+        camera: &camera,
+        size,
+        world_from_head: Affine3A::IDENTITY,
+        guides: &[],
+        guides_stamp: 0,
+        lod_scale: 1.0,
+    };
     let mut times: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     let mut frames = Vec::new();
     renderer.render_pixels(&input)?;

@@ -38,12 +38,12 @@ struct Fragment {
     segment_idx: u32,
 }
 
-/// Premultiplied linear RGB and alpha of the strands alone, row by row from the top.
+/// Premultiplied linear RGB and alpha of the strands of all layers alone, row by row from the top.
 ///
 /// A fragment behind the backdrop shows through the part of the pixel that the backdrop leaves open.
 /// `size` is in pixels; `view_from_world` looks along -Z; `clip_from_view` is a perspective.
 pub fn composite(
-    strands: ExactStrands<'_>,
+    strands: &[ExactStrands<'_>],
     view_from_world: Mat4,
     clip_from_view: Mat4,
     size: [u32; 2],
@@ -52,12 +52,17 @@ pub fn composite(
     /// Rows that one task holds in memory at a time.
     const ROWS: usize = 16;
     let [width, height] = size.map(|side| side as usize);
-    let projected = project(strands, view_from_world, clip_from_view, size);
+    let projected: Vec<Vec<Projected>> =
+        strands.iter().map(|layer| project(*layer, view_from_world, clip_from_view, size)).collect();
     let mut picture = vec![[0.0; 4]; width * height];
     picture.par_chunks_mut(width * ROWS).enumerate().for_each(|(band_idx, pixels)| {
         let first_row = band_idx * ROWS;
         let mut fragments: Vec<Vec<Fragment>> = vec![Vec::new(); pixels.len()];
-        fragments_of_rows(strands, &projected, width, first_row, &mut fragments);
+        let mut first_strand = 0;
+        for (layer, projected) in strands.iter().zip(&projected) {
+            fragments_of_rows(*layer, projected, first_strand, width, first_row, &mut fragments);
+            first_strand += projected.len() / layer.vertices_per_strand;
+        }
         for (offset, (pixel, fragments)) in pixels.iter_mut().zip(&mut fragments).enumerate() {
             let pixel_idx = first_row * width + offset;
             let surface = (
@@ -105,6 +110,7 @@ fn project(
 fn fragments_of_rows(
     strands: ExactStrands<'_>,
     projected: &[Projected],
+    first_strand: usize,
     width: usize,
     first_row: usize,
     pixels: &mut [Vec<Fragment>],
@@ -160,7 +166,7 @@ fn fragments_of_rows(
                         depth: a.depth * (1.0 - t) + b.depth * t,
                         coverage: area * mix(3),
                         colour: [mix(0), mix(1), mix(2)],
-                        strand_idx: strand_idx as u32,
+                        strand_idx: (first_strand + strand_idx) as u32,
                         segment_idx: segment_idx as u32,
                     });
                 }
@@ -238,7 +244,7 @@ mod tests {
         let camera = Camera { azimuth_deg: 0.0, elevation_deg: 0.0, distance: 50.0, ..Camera::default() };
         let strands = ExactStrands { vertices, vertices_per_strand: 2, radiance };
         let aspect = size[0] as f32 / size[1] as f32;
-        composite(strands, camera.view_from_world(), camera.clip_from_view(aspect), size, Backdrop::default())
+        composite(&[strands], camera.view_from_world(), camera.clip_from_view(aspect), size, Backdrop::default())
     }
 
     /// Pixels per centimetre at the target of the test camera.
@@ -275,7 +281,7 @@ mod tests {
         let camera = Camera { azimuth_deg: 0.0, elevation_deg: 0.0, distance: 50.0, ..Camera::default() };
         let (depth, coverage) = (vec![10.0; 32 * 32], vec![0.75; 32 * 32]);
         let pixels = composite(
-            strands,
+            &[strands],
             camera.view_from_world(),
             camera.clip_from_view(1.0),
             [32, 32],

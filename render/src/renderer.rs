@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use lorelei_core::groom::{Groom, HairMaterial};
 use glam::Affine3A;
+use lorelei_core::groom::{Groom, HairMaterial};
 use lorelei_core::look::{DeepOpacityParams, HeadShading, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;

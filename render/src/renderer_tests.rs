@@ -53,23 +53,27 @@ fn hair(renderer: &Renderer) -> Vec<[f64; 4]> {
 /// The same hair by the exact reference, from the vertices and radiances that the GPU drew.
 fn exact_hair(renderer: &Renderer, camera: &Camera) -> Vec<[f64; 4]> {
     let strands = renderer.generator.strands();
-    assert_eq!(strands.layers.len(), 1);
-    let layer = strands.layers[0];
-    let n = (layer.n_strands * layer.vertices_per_strand) as usize;
     let vertices: Vec<Vec4> = renderer.gpu.read_buffer(&strands.vertices).unwrap();
     let packed: Vec<[u16; 4]> = renderer.gpu.read_buffer(renderer.shade.radiance()).unwrap();
     let radiance: Vec<[f32; 4]> =
-        packed[..n].iter().map(|vertex| vertex.map(|bits| half::f16::from_bits(bits).to_f32())).collect();
+        packed.iter().map(|vertex| vertex.map(|bits| half::f16::from_bits(bits).to_f32())).collect();
+    let layers: Vec<ExactStrands<'_>> = (strands.layers.iter())
+        .map(|layer| {
+            let from = layer.first_vertex as usize;
+            let range = from..from + (layer.n_strands * layer.vertices_per_strand) as usize;
+            ExactStrands {
+                vertices: &vertices[range.clone()],
+                vertices_per_strand: layer.vertices_per_strand as usize,
+                radiance: &radiance[range],
+            }
+        })
+        .collect();
     let depth: Vec<f32> =
         bytemuck::pod_collect_to_vec(&renderer.read_texture(renderer.targets.head_depth.texture(), 4).unwrap());
     let head = halves(&renderer.read_texture(renderer.targets.head_colour.texture(), 8).unwrap());
     let coverage: Vec<f32> = head.iter().map(|pixel| pixel[3] as f32).collect();
     composite(
-        ExactStrands {
-            vertices: &vertices[..n],
-            vertices_per_strand: layer.vertices_per_strand as usize,
-            radiance: &radiance,
-        },
+        &layers,
         camera.view_from_world(),
         camera.clip_from_view(SIZE[0] as f32 / SIZE[1] as f32),
         SIZE,
@@ -107,6 +111,59 @@ fn both_primitives_draw_the_exact_picture() {
             let (listed, room) = renderer.n_tile_entries().unwrap();
             assert!(listed > 0 && listed <= room);
         }
+    }
+}
+
+#[test]
+fn the_default_groom_is_drawn_as_the_exact_picture() {
+    let gpu = Gpu::headless().unwrap();
+    let groom = lorelei_assets::default_groom();
+    assert!(groom.layers.iter().map(|layer| layer.n_strands).sum::<u32>() >= 100_000);
+    // Seen so that it fills most of the picture.
+    let camera = Camera { target: Vec3::new(0.0, -2.0, 0.0), azimuth_deg: 35.0, distance: 110.0, ..Camera::default() };
+    for threads in every_threads(&gpu) {
+        let mut renderer = renderer_with(&gpu, &groom, threads);
+        renderer.render_pixels(&input(&camera)).unwrap();
+        let hair = hair(&renderer);
+        assert!(hair.iter().filter(|pixel| pixel[3] > 0.5).count() > 5_000);
+        let (rmse, coverage) = difference(&hair, &exact_hair(&renderer, &camera));
+        println!("default groom, {threads:?}: rmse {rmse:.5}, coverage {coverage:.4}");
+        assert!(rmse < 0.02 && (coverage - 1.0).abs() < 0.01, "{threads:?}: {rmse}, {coverage}");
+    }
+}
+
+#[test]
+fn what_is_kept_from_frame_to_frame_is_what_would_be_made_again() {
+    let mut groom = sample_groom(2_000, 16);
+    let mut renderer = renderer(&groom);
+    let from = |azimuth_deg| Camera { azimuth_deg, ..camera() };
+    let is_close = |a: &Pixels, b: &Pixels| a.rgba.iter().zip(&b.rgba).all(|(a, b)| a.abs_diff(*b) <= 1);
+    renderer.render_pixels(&input(&from(0.0))).unwrap();
+    let kept = renderer.render_pixels(&input(&from(90.0))).unwrap();
+    renderer.forget();
+    let made_again = renderer.render_pixels(&input(&from(90.0))).unwrap();
+    assert!(is_close(&kept, &made_again));
+    // Whatever strands and shadows depend on: the picture is that of a renderer that has seen nothing else.
+    let turned = Affine3A::from_rotation_y(0.7);
+    let changes: [(fn(&mut Groom), Affine3A, f32); 6] = [
+        (|_| {}, turned, 1.0),
+        (|_| {}, turned, 0.3),
+        (|groom| groom.layers[0].radius_um = 200.0, turned, 0.3),
+        (|groom| groom.lights[0].intensity *= 0.3, turned, 0.3),
+        (|groom| groom.look.deep_opacity.density = 0.2, turned, 0.3),
+        (|groom| groom.head = None, turned, 0.3),
+    ];
+    let mut last = made_again;
+    for (nr, (change, world_from_head, lod_scale)) in changes.into_iter().enumerate() {
+        change(&mut groom);
+        let camera = from(90.0);
+        let input = FrameInput { world_from_head, lod_scale, ..input(&camera) };
+        renderer.set_groom(&groom).unwrap();
+        let next = renderer.render_pixels(&input).unwrap();
+        let fresh = self::renderer(&groom).render_pixels(&input).unwrap();
+        assert!(is_close(&next, &fresh), "change {nr}");
+        assert!(!is_close(&next, &last), "change {nr} shows nothing");
+        last = next;
     }
 }
 

@@ -288,7 +288,7 @@ mod tests {
         let pixels: Vec<[u16; 4]> = gpu.read_buffer(&staging).expect("the picture comes back");
         let full = |bits: u16| half::f16::from_bits(bits).to_f64();
         let exact = composite(
-            ExactStrands { vertices: &vertices, vertices_per_strand: PER_STRAND, radiance: &radiance },
+            &[ExactStrands { vertices: &vertices, vertices_per_strand: PER_STRAND, radiance: &radiance }],
             camera.view_from_world(),
             camera.clip_from_view(1.0),
             SIZE,

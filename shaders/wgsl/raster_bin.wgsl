@@ -2,10 +2,10 @@
 // to how many each bucket gets; then, with `SCATTER` defined, to write each segment where its bucket's part of the list
 // has been laid out.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, COARSE, ENTRY_BITS}
+#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, NO_FRONT, COARSE, ENTRY_BITS}
 #import lorelei::tile::{TILE, N_BUCKETS}
 
-@group(0) @binding(auto) var<storage, read> fronts: array<u32>;
+@group(0) @binding(auto) var<storage, read> fronts: array<f32>;
 // Bits of the depth behind which a tile is all head.
 @group(0) @binding(auto) var<storage, read> tile_backs: array<u32>;
 // Segments of each bucket while counting; next free entry while scattering.
@@ -26,13 +26,32 @@ struct Round { round: u32 }
 #endif
 
 // Buckets are finest at the front, where the pixel still lets light through, and grow with depth behind it: log2 of
-// 1 + depth / FINEST, from 0 to DEEPEST.
+// 1 + depth / FINEST, from 0 to DEEPEST. The first one is for what is before the front.
 const FINEST: f32 = 0.5;
 const DEEPEST: f32 = 25.0;
 
 fn bucket_of(behind: f32) -> u32 {
     let share = log2(1.0 + max(behind, 0.0) / FINEST) / log2(1.0 + DEEPEST / FINEST);
-    return min(u32(share * f32(N_BUCKETS)), N_BUCKETS - 1u);
+    return select(min(1u + u32(share * f32(N_BUCKETS - 1u)), N_BUCKETS - 1u), 0u, behind < 0.0);
+}
+
+// Front at a place, between the middles of four coarse tiles: what is drawn must not jump where one of them ends.
+fn front_at(place: vec2<f32>) -> f32 {
+    let at = place / COARSE - 0.5;
+    let corner = floor(at);
+    let f = at - corner;
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        let step = vec2<f32>(f32(k & 1u), f32(k >> 1u));
+        let coarse = vec2<u32>(clamp(corner + step, vec2<f32>(0.0), vec2<f32>(raster.n_coarse) - 1.0));
+        let front = fronts[coarse.y * raster.n_coarse.x + coarse.x];
+        let share = mix(1.0 - f, f, step);
+        let weight = select(share.x * share.y + 1e-4, 0.0, front == NO_FRONT);
+        sum += weight * select(front, 0.0, front == NO_FRONT);
+        weights += weight;
+    }
+    return select(sum / weights, raster.nearest, weights == 0.0);
 }
 
 @compute @workgroup_size(64)
@@ -111,10 +130,7 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
 #endif
             let middle = (vec2<f32>(f32(column), f32(row)) + 0.5) * TILE;
             let t = clamp(dot(middle - line.xy, u) / length, 0.0, 1.0);
-            let coarse = vec2<u32>(middle / COARSE);
-            let coarse_idx = coarse.y * raster.n_coarse.x + coarse.x;
-            let front = select(bitcast<f32>(~fronts[coarse_idx]), raster.nearest, fronts[coarse_idx] == 0u);
-            let bucket = bucket_of(mix(span.y, span.z, t) - front);
+            let bucket = bucket_of(mix(span.y, span.z, t) - front_at(middle));
             let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
 #ifdef SCATTER
             entries[place] = vertex | (bucket << ENTRY_BITS);

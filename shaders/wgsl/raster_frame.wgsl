@@ -20,7 +20,8 @@ struct RasterFrame {
     nearest: f32,
     // One strand in so many is a sample.
     sample_step: u32,
-    pad: u32,
+    // Of the bins that the front is found with.
+    bins_per_cm: f32,
 }
 
 struct RasterLayer {
@@ -43,6 +44,7 @@ struct Tile {
 @group(0) @binding(auto) var<storage, read> raster_layers: array<RasterLayer>;
 
 const NO_VERTEX: u32 = 0xFFFFFFFFu;
+const NO_FRONT: f32 = 1e30;
 const COARSE: f32 = 32.0;
 // A list entry is a vertex in the low bits and its bucket above them.
 const ENTRY_BITS: u32 = 26u;

@@ -177,7 +177,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         (pass_times, frame_times) = (Vec::new(), Vec::new());
     }
     for n in 1..=arguments.repeat {
-        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.5 * n as f32, ..camera.clone() };
+        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.5 * n as f32, ..camera };
         orbit_times.push(frame(&mut stage, &turned)?);
     }
     for _ in 0..arguments.repeat {

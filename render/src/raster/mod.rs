@@ -1,7 +1,8 @@
 //! The compute rasteriser: segments into tiles of 8 x 8 pixels, sorted by depth into buckets, composited near to far.
 //!
 //! ```text
-//! front     a segment of a sampled strand a thread   how near the hair comes in each coarse tile
+//! gather    a segment of a sampled strand a thread   what they cover in each coarse tile, by depth
+//! find      a coarse tile a thread   how near the hair comes
 //! count     a segment a thread   vertices -> line in pixels, depths, widths; how many each (tile, bucket) gets
 //! allocate  a tile a thread      where in the list each bucket starts
 //! scatter   a segment a thread   segments into their buckets
@@ -31,6 +32,8 @@ use crate::view::View;
 
 /// Side of a coarse tile, pixels; twin of `COARSE`.
 const COARSE: u32 = 32;
+/// Twin of `N_BINS`.
+const N_BINS: u64 = 128;
 /// A list entry keeps its vertex in 26 bits.
 const MAX_VERTICES: u32 = 1 << 26;
 /// Parts that the list may be made in. One is enough but for a groom of few, very long segments.
@@ -54,7 +57,7 @@ struct FrameUniform {
     exposure: f32,
     nearest: f32,
     sample_step: u32,
-    pad: u32,
+    bins_per_cm: f32,
 }
 
 /// What the threads of the last pass own: the fastest depends on the kind of device.
@@ -86,7 +89,7 @@ impl Threads {
     fn n_buckets(self) -> u64 {
         match self {
             Self::Segments => 64,
-            Self::Lanes => 24,
+            Self::Lanes => 32,
         }
     }
 
@@ -121,7 +124,8 @@ impl Threads {
 }
 
 struct Kernels {
-    front: Kernel,
+    gather: Kernel,
+    find: Kernel,
     count: Kernel,
     scatter: Kernel,
     allocate: Kernel,
@@ -135,6 +139,7 @@ pub(crate) struct Segments {
     pub layers: wgpu::Buffer,
     pub lines: wgpu::Buffer,
     pub spans: wgpu::Buffer,
+    bins: wgpu::Buffer,
     fronts: wgpu::Buffer,
     pub tile_backs: wgpu::Buffer,
     /// Vertices of drawn strands, and of those that stand for all.
@@ -155,6 +160,7 @@ pub(crate) struct Raster {
     arguments: wgpu::Buffer,
     rounds: Vec<wgpu::Buffer>,
     n_tiles: [u32; 2],
+    n_coarse: u32,
     /// Strands may be wider on the screen than [`WIDE`].
     is_wide: bool,
 }
@@ -197,6 +203,7 @@ impl Raster {
                 layers: storage("raster.layers"),
                 lines: storage("raster.lines"),
                 spans: storage("raster.spans"),
+                bins: storage("raster.bins"),
                 fronts: storage("raster.fronts"),
                 tile_backs: storage("raster.tile_backs"),
                 n_items: 0,
@@ -211,6 +218,7 @@ impl Raster {
                 .map(|round| gpu.buffer_of("raster.round", &[round], BufferUsages::UNIFORM))
                 .collect(),
             n_tiles: [0; 2],
+            n_coarse: 0,
             is_wide: false,
         })
     }
@@ -229,6 +237,7 @@ impl Raster {
         [
             &segments.lines,
             &segments.spans,
+            &segments.bins,
             &segments.fronts,
             &segments.tile_backs,
             &self.buckets,
@@ -273,6 +282,7 @@ impl Raster {
         let [width, height] = view.size;
         let n_tiles = [width.div_ceil(self.threads.tile_side()), height.div_ceil(self.threads.tile_side())];
         let n_coarse = [width.div_ceil(COARSE), height.div_ceil(COARSE)];
+        let n_all_coarse = n_coarse[0] * n_coarse[1];
         let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
         let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
             .max(MIN_ENTRIES)
@@ -284,7 +294,8 @@ impl Raster {
             fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
-            fit(gpu, &mut segments.fronts, u64::from(n_coarse[0]) * u64::from(n_coarse[1]) * 4);
+            fit(gpu, &mut segments.bins, u64::from(n_all_coarse) * N_BINS * 4);
+            fit(gpu, &mut segments.fronts, u64::from(n_all_coarse) * 4);
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
             fit(gpu, &mut self.buckets, n_all_tiles * self.threads.n_buckets() * 4);
             fit(gpu, &mut self.tiles, n_all_tiles * 16);
@@ -299,6 +310,7 @@ impl Raster {
         let nearest = (input.ball.centre.distance(view.eye.into()) - input.ball.radius).max(view.near);
         self.is_wide = strands.widest * view.pixels_per_tangent > WIDE * nearest;
         self.n_tiles = n_tiles;
+        self.n_coarse = n_all_coarse;
         let frame = FrameUniform {
             view,
             n_tiles,
@@ -310,7 +322,8 @@ impl Raster {
             exposure: input.exposure,
             nearest,
             sample_step,
-            pad: 0,
+            // The bins span the ball.
+            bins_per_cm: N_BINS as f32 / (2.0 * input.ball.radius),
         };
         gpu.queue.write_buffer(&self.segments.frame, 0, bytemuck::bytes_of(&frame));
         gpu.queue.write_buffer(&self.segments.layers, 0, bytemuck::cast_slice(&strands.layers));
@@ -324,18 +337,20 @@ impl Raster {
         encoder: &mut wgpu::CommandEncoder,
         strands: &StrandBuffers,
     ) -> Result<(), ShaderError> {
-        encoder.clear_buffer(&self.segments.fronts, 0, None);
+        encoder.clear_buffer(&self.segments.bins, 0, None);
         encoder.clear_buffer(&self.buckets, 0, None);
         encoder.clear_buffer(&self.n_entries, 0, None);
         let mut resources = self.resources();
         resources.push(("vertices", strands.vertices.as_entire_binding()));
-        let front = self.kernels.front.bind_used(gpu, &resources)?;
+        let gather = self.kernels.gather.bind_used(gpu, &resources)?;
+        let find = self.kernels.find.bind_used(gpu, &resources)?;
         let count = self.kernels.count.bind_used(gpu, &resources)?;
         let allocate = self.kernels.allocate.bind_used(gpu, &resources)?;
         let plan = self.kernels.plan.bind_used(gpu, &resources)?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.count"), timestamp_writes: None });
-        self.kernels.front.dispatch_items(&mut pass, &front, self.segments.n_sampled);
+        self.kernels.gather.dispatch_items(&mut pass, &gather, self.segments.n_sampled);
+        self.kernels.find.dispatch_items(&mut pass, &find, self.n_coarse);
         self.kernels.count.dispatch_items(&mut pass, &count, self.segments.n_items);
         self.kernels.allocate.dispatch_items(&mut pass, &allocate, self.n_tiles[0] * self.n_tiles[1]);
         self.kernels.plan.dispatch(&mut pass, &plan, [1, 1, 1]);
@@ -417,6 +432,7 @@ impl Raster {
             ("raster_layers", segments.layers.as_entire_binding()),
             ("lines", segments.lines.as_entire_binding()),
             ("spans", segments.spans.as_entire_binding()),
+            ("bins", segments.bins.as_entire_binding()),
             ("fronts", segments.fronts.as_entire_binding()),
             ("tile_backs", segments.tile_backs.as_entire_binding()),
             ("buckets", self.buckets.as_entire_binding()),
@@ -439,7 +455,8 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
 fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Kernels, ShaderError> {
     let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
     Ok(Kernels {
-        front: kernel("raster_front", "front", &[])?,
+        gather: kernel("raster_front", "gather", &[])?,
+        find: kernel("raster_front", "find", &[Link::Def("FIND")])?,
         count: kernel("raster_bin", "bin", &[threads.tile_slot()])?,
         scatter: kernel("raster_bin", "bin", &[threads.tile_slot(), Link::Def("SCATTER")])?,
         allocate: kernel("raster_alloc", "allocate", &[threads.tile_slot()])?,

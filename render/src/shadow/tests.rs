@@ -7,7 +7,7 @@ use lorelei_core::mesh::TriMesh;
 use lorelei_shaders::{Gpu, Link, ShaderLibrary};
 use wgpu::BufferUsages;
 
-use super::{Shadow, ShadowInput, ShadowLight};
+use super::{Shadow, ShadowInput, ShadowLight, casters};
 use crate::mirror::{DrawnLayer, StrandBuffers};
 use crate::scene::{Ball, SceneLights};
 
@@ -149,7 +149,13 @@ fn exact_depth(points: &[Vec3], map: &ShadowLight, at: Vec3, sigma_texels: f32) 
 fn transmittance_agrees_with_an_exact_sum_over_the_segments() {
     let points = cluster(1500);
     let at: Vec<Vec3> = points.iter().copied().step_by(23).collect();
-    let params = DeepOpacityParams { n_layers: 7, layer_size: 0.25, resolution: 96, filter_radius: 1.5, density: 1.0 };
+    let params = DeepOpacityParams {
+        n_layers: 7,
+        layer_size: 0.25,
+        resolution: 96,
+        filter_radius: 1.5,
+        ..DeepOpacityParams::default()
+    };
     let light = Light::directional("key", 30.0, 40.0, 1.0, [1.0; 3]);
     let answers = look_up(&points, &at, light.clone(), Shadowing::DeepOpacity, &params, None);
     let map =
@@ -211,4 +217,17 @@ fn the_head_shadows_what_is_behind_it_under_parallel_and_point_light() {
         let past: Vec<f32> = answers.iter().map(|answer| answer[1]).collect();
         assert_eq!(past, [0.0, 1.0, 1.0, 0.0]);
     }
+}
+
+#[test]
+fn casters_are_a_share_of_each_layer_and_as_much_wider() {
+    let layer = |n_strands| DrawnLayer { n_strands, vertices_per_strand: 8, ..DrawnLayer::default() };
+    let layers = [layer(90_000), layer(10_000), layer(0)];
+    let few = casters(&layers, 25_000);
+    assert_eq!(few.iter().map(|caster| caster.layer.n_strands).collect::<Vec<_>>(), [22_500, 2_500, 0]);
+    for (caster, layer) in few.iter().zip(&layers) {
+        let width = caster.width_scale * caster.layer.n_strands as f32;
+        assert!((width - layer.n_strands as f32).abs() < 0.01);
+    }
+    assert!(casters(&layers, 1_000_000).iter().all(|caster| caster.width_scale == 1.0 || caster.layer.n_strands == 0));
 }
