@@ -389,9 +389,13 @@ impl Renderer {
         self.generator.mirror()
     }
 
-    /// Entries of the last frame's tile lists and how many there is room for: the first is never larger.
+    /// Entries of the last submitted frame's tile lists and how many there is room for. Where the first is larger, the
+    /// picture lacks what did not fit. Waits for the GPU.
     pub fn n_tile_entries(&self) -> Result<(u64, u64), GpuError> {
-        self.raster.n_entries(&self.gpu)
+        match self.groom.as_ref().map(|groom| groom.look.primitive) {
+            Some(Primitive::Compute) => self.raster.n_entries(&self.gpu),
+            Some(Primitive::Ribbons) | None => Ok((0, 0)),
+        }
     }
 
     /// The shader sources; poll them once a frame while developing.

@@ -102,14 +102,14 @@ fn both_primitives_draw_the_exact_picture() {
                 groom.look.primitive = primitive;
                 renderer.set_groom(&groom).unwrap();
                 renderer.render_pixels(&input(&camera)).unwrap();
+                let (listed, room) = renderer.n_tile_entries().unwrap();
+                assert!(listed <= room && (listed > 0) == (primitive == Primitive::Compute));
                 let (rmse, coverage) = difference(&hair(&renderer), &exact_hair(&renderer, &camera));
                 let what = format!("{n_strands} strands of {radius_um} um, {primitive:?}, {threads:?}");
                 println!("{what}: rmse {rmse:.5}, coverage {coverage:.4}");
                 assert!(rmse < most_rmse, "{what}: {rmse}");
                 assert!((coverage - 1.0).abs() < 0.03, "{what}: {coverage}");
             }
-            let (listed, room) = renderer.n_tile_entries().unwrap();
-            assert!(listed > 0 && listed <= room);
         }
     }
 }
@@ -145,7 +145,8 @@ fn what_is_kept_from_frame_to_frame_is_what_would_be_made_again() {
     assert!(is_close(&kept, &made_again));
     // Whatever strands and shadows depend on: the picture is that of a renderer that has seen nothing else.
     let turned = Affine3A::from_rotation_y(0.7);
-    let changes: [(fn(&mut Groom), Affine3A, f32); 6] = [
+    type Change = (fn(&mut Groom), Affine3A, f32);
+    let changes: [Change; 6] = [
         (|_| {}, turned, 1.0),
         (|_| {}, turned, 0.3),
         (|groom| groom.layers[0].radius_um = 200.0, turned, 0.3),

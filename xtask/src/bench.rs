@@ -38,23 +38,35 @@ pub fn bench(args: &[String]) -> Result<(), String> {
     println!(
         "Compute path against ribbon path, the same frame, alternating ({N_ROUNDS} rounds, median of 3 frames each):"
     );
-    let (mut compute, mut ribbons, mut start_up, mut adapter) = (Vec::new(), Vec::new(), Vec::new(), String::new());
+    let (mut compute, mut ribbons, mut adapter) = (Times::default(), Times::default(), String::new());
     for _ in 0..N_ROUNDS {
         let (json, wall_ms) = render(&["primitive=compute"])?;
-        compute.push(number(&json, "frame_ms")?);
-        start_up.push(wall_ms);
         adapter = text(&json, "adapter").unwrap_or_default();
-        ribbons.push(number(&render(&["primitive=ribbons"])?.0, "frame_ms")?);
+        compute.add(&json, wall_ms, &["raster.count", "raster.scatter", "raster.fine", "raster.more_rounds"])?;
+        let (json, wall_ms) = render(&["primitive=ribbons"])?;
+        ribbons.add(&json, wall_ms, &["ribbons"])?;
     }
-    let (compute, ribbons) = (Spread::of(compute), Spread::of(ribbons));
     println!("  adapter   {adapter}");
-    println!("  compute   {compute} ms");
-    println!("  ribbons   {ribbons} ms");
-    println!("  ratio     {:.2}", ribbons.median / compute.median);
-    println!(
-        "Start-up to the written picture (process start, open the default groom, compile shaders, 3 frames, PNG):"
-    );
-    println!("  {} ms", Spread::of(start_up));
+    for (what, compute, ribbons) in [
+        ("Strands into pixels (GPU timestamps of the path's own passes)", &compute.drawing, &ribbons.drawing),
+        ("Whole frame, everything made again", &compute.frame, &ribbons.frame),
+        ("Whole frame while only the camera moves", &compute.orbit, &ribbons.orbit),
+    ] {
+        let (compute, ribbons) = (Spread::of(compute.clone()), Spread::of(ribbons.clone()));
+        println!("{what}:");
+        println!("  compute   {compute} ms");
+        println!("  ribbons   {ribbons} ms");
+        println!("  ratio     {:.2}", ribbons.median / compute.median);
+    }
+    println!("Start-up with the compute path, without a window:");
+    for (what, times) in [
+        ("shaders and device", compute.compile),
+        ("strands bound to the groom", compute.prepare),
+        ("first frame", compute.first_frame),
+        ("whole process with all frames and the picture", compute.wall),
+    ] {
+        println!("  {} ms  {what}", Spread::of(times));
+    }
 
     println!("Import rate ({N_STRANDS} strands of {N_POINTS} points, lorelei info, whole process):");
     let source = out.join("bench.data");
@@ -106,6 +118,39 @@ fn strands_file() -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// Milliseconds of each run.
+#[derive(Default)]
+struct Times {
+    drawing: Vec<f64>,
+    frame: Vec<f64>,
+    orbit: Vec<f64>,
+    compile: Vec<f64>,
+    prepare: Vec<f64>,
+    first_frame: Vec<f64>,
+    wall: Vec<f64>,
+}
+
+impl Times {
+    fn add(&mut self, json: &str, wall_ms: f64, drawing: &[&str]) -> Result<(), String> {
+        let mut drawing_ms = 0.0;
+        for pass in drawing {
+            drawing_ms += number(json, pass)?;
+        }
+        self.drawing.push(drawing_ms);
+        for (times, key) in [
+            (&mut self.frame, "frame_ms"),
+            (&mut self.orbit, "orbit_frame_ms"),
+            (&mut self.compile, "compile_ms"),
+            (&mut self.prepare, "prepare_ms"),
+            (&mut self.first_frame, "first_frame_ms"),
+        ] {
+            times.push(number(json, key)?);
+        }
+        self.wall.push(wall_ms);
+        Ok(())
+    }
 }
 
 struct Spread {

@@ -41,6 +41,10 @@ pub enum StageError {
     Shader(#[from] ShaderError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    #[error(
+        "the picture is incomplete: {listed} pieces of strands lie on its tiles and there is room for {room}; draw fewer strands, a smaller picture, or ribbons"
+    )]
+    LeftOut { listed: u64, room: u64 },
 }
 
 impl StageError {
@@ -48,7 +52,7 @@ impl StageError {
     pub fn is_lost(&self) -> bool {
         let gpu = match self {
             Self::Gpu(gpu) | Self::Render(RenderError::Gpu(gpu)) => gpu,
-            Self::Render(_) | Self::Shader(_) => return false,
+            Self::Render(_) | Self::Shader(_) | Self::LeftOut { .. } => return false,
         };
         matches!(gpu, GpuError::DeviceLost(_))
     }
@@ -204,6 +208,10 @@ impl Stage {
         self.renderer.collect_times();
         self.gpu.wait()?;
         self.renderer.collect_times();
+        let (listed, room) = self.renderer.n_tile_entries()?;
+        if listed > room {
+            return Err(StageError::LeftOut { listed, room });
+        }
         Ok(())
     }
 
