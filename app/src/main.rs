@@ -1,6 +1,7 @@
 //! Lorelei, a hair studio: the window and the command line.
 
 mod cli;
+mod open;
 mod stage;
 mod window;
 

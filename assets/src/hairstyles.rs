@@ -1,11 +1,11 @@
 //! The embedded hairstyles: documents without a head, put on the embedded one.
 
-use std::sync::OnceLock;
-
 use lorelei_core::document;
-use lorelei_core::groom::{Groom, Head};
+use lorelei_core::groom::Groom;
 use lorelei_core::light::three_point_rig;
 use lorelei_core::look::Look;
+
+use crate::head::mannequin;
 
 /// Key and file of each style; the first is the default.
 const STYLES: [(&str, &[u8]); 3] = [
@@ -33,12 +33,6 @@ pub fn hairstyle(key: &str) -> Option<Groom> {
 /// What the studio opens with.
 pub fn default_groom() -> Groom {
     hairstyle(hairstyle_names()[0]).unwrap_or_default()
-}
-
-/// The mannequin, read once: all styles share its mesh.
-fn mannequin() -> Head {
-    static HEAD: OnceLock<Head> = OnceLock::new();
-    HEAD.get_or_init(|| Head::new("Mannequin", crate::head())).clone()
 }
 
 #[cfg(test)]

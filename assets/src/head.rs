@@ -1,6 +1,9 @@
 //! The embedded mannequin: `head.glb` read back into a mesh with named face groups.
 
+use std::sync::OnceLock;
+
 use glam::Vec3;
+use lorelei_core::groom::{Groom, Head, Source};
 use lorelei_core::mesh::{FaceGroup, TriMesh};
 
 const GLB: &[u8] = include_bytes!("../head.glb");
@@ -13,6 +16,39 @@ const GLB: &[u8] = include_bytes!("../head.glb");
 /// If the embedded file is damaged, which a test rules out.
 pub fn head() -> TriMesh {
     read(GLB).expect("the embedded head is a valid GLB")
+}
+
+/// The name under which documents refer to the mannequin.
+const MANNEQUIN: &str = "mannequin";
+
+/// The mannequin as a groom's head, read once: all grooms share its mesh.
+pub fn mannequin() -> Head {
+    static HEAD: OnceLock<Head> = OnceLock::new();
+    HEAD.get_or_init(|| Head { embedded: Some(MANNEQUIN.to_owned()), ..Head::new("Mannequin", head()) }).clone()
+}
+
+/// Give a groom that was just read from a document the embedded head that it refers to. Hair meshes of a
+/// document without any head get the mannequin too: they are modelled on it, and nothing else says where
+/// their roots lie. Returns what is to be told to the user.
+pub fn complete(groom: &mut Groom) -> Option<String> {
+    let has_hair_mesh = groom.layers.iter().any(|layer| matches!(layer.source, Source::HairMesh(_)));
+    match groom.head.as_ref().map(|head| head.embedded.as_deref()) {
+        Some(None) => None,
+        Some(Some(MANNEQUIN)) => {
+            groom.head = Some(mannequin());
+            None
+        }
+        Some(Some(unknown)) => {
+            let note = format!("The head `{unknown}` is not in this version of Lorelei: shown on the mannequin");
+            groom.head = Some(mannequin());
+            Some(note)
+        }
+        None if has_hair_mesh => {
+            groom.head = Some(mannequin());
+            Some("The file has no head: shown on the mannequin".to_owned())
+        }
+        None => None,
+    }
 }
 
 /// The first mesh of a GLB; primitives become groups named by their material.
@@ -46,6 +82,23 @@ mod tests {
     use lorelei_core::mesh_query::MeshQuery;
 
     use super::*;
+
+    #[test]
+    fn a_hair_mesh_without_a_head_gets_the_mannequin_and_nothing_else_does() {
+        let styled = crate::hairstyle("bob").unwrap();
+        let mut headless = Groom { head: None, ..styled.clone() };
+        assert!(complete(&mut headless).is_some());
+        assert_eq!(headless.head, Some(mannequin()));
+        let empty = Head { embedded: Some(MANNEQUIN.to_owned()), ..Head::default() };
+        let mut referring = Groom { head: Some(empty), ..styled.clone() };
+        assert_eq!(complete(&mut referring), None);
+        assert!(referring == styled);
+        let mut bare = Groom::default();
+        assert!(complete(&mut bare).is_none() && bare.head.is_none());
+        let mut own = Groom { head: Some(Head::new("own", head())), ..styled };
+        assert!(complete(&mut own).is_none());
+        assert_eq!(own.head.map(|head| head.name), Some("own".to_owned()));
+    }
 
     /// Distance from `from` along `towards` to the first skin.
     fn reach(query: &MeshQuery, from: Vec3, towards: Vec3) -> f32 {

@@ -49,11 +49,14 @@ pub struct Head {
     pub mesh: Arc<TriMesh>,
     /// What the file's numbers were taken for, where the head was imported: `io::reread` changes it.
     pub read_as: Option<Space>,
+    /// Which of the studio's own heads this is. A document then holds this name instead of the mesh, so the
+    /// mesh is empty until whoever opens the document puts it in.
+    pub embedded: Option<String>,
 }
 
 impl Head {
     pub fn new(name: impl Into<String>, mesh: impl Into<Arc<TriMesh>>) -> Self {
-        Self { name: name.into(), mesh: mesh.into(), read_as: None }
+        Self { name: name.into(), mesh: mesh.into(), read_as: None, embedded: None }
     }
 }
 

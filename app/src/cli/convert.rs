@@ -1,16 +1,17 @@
 //! `lorelei convert IN OUT`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use lorelei_core::io::{self, Axis, ConvertOptions, Unit, Watch, What, WriteOptions};
+use lorelei_core::io::{self, Axis, ConvertOptions, Converted, Format, Unit, Watch, What, WriteOptions};
 
 use super::read_as::ReadAs;
 use super::{CliError, print_line};
+use crate::open;
 
 #[derive(Debug, clap::Args)]
 pub struct ConvertArguments {
-    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply.
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// What to write; the name decides the format: .hair, .tfx, .data, .usda, .lorelei.
@@ -72,8 +73,7 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
         },
         input: arguments.read_as.options(),
     };
-    let converted =
-        io::convert(&arguments.input, &arguments.output, options, Watch::default()).map_err(CliError::failed)?;
+    let converted = convert(&arguments.input, &arguments.output, options)?;
     if arguments.json {
         let json = serde_json::json!({
             "strands": converted.n_strands,
@@ -96,4 +96,29 @@ pub fn run(arguments: &ConvertArguments) -> Result<(), CliError> {
         converted.n_strands,
         converted.n_points
     ))
+}
+
+/// Grooms are opened here, since the strands of one may grow on an embedded head, which `core` does not have.
+fn convert(input: &Path, output: &Path, options: ConvertOptions) -> Result<Converted, CliError> {
+    let is_style = open::hairstyle_named(input).is_some();
+    let is_document = is_style || io::detect(input).is_ok_and(|format| format.contents() == io::Contents::Document);
+    // A name that says no format is refused by the converter, which knows what to say.
+    let into = Format::of_output(output);
+    if !is_document || into.is_none() {
+        return io::convert(input, output, options, Watch::default()).map_err(CliError::failed);
+    }
+    let opened = open::open(input, None, options.input, Watch::default()).map_err(CliError::failed)?;
+    let mut warnings = opened.notes;
+    if into == Some(Format::Lorelei) {
+        lorelei_core::document::save(&opened.groom, output).map_err(CliError::failed)?;
+        let points = |layer: &lorelei_core::groom::Layer| layer.n_strands as usize * layer.vertices_per_strand as usize;
+        let n_points = opened.groom.layers.iter().map(points).sum();
+        let n_strands = opened.groom.n_strands();
+        return Ok(Converted { n_strands, n_points, space_reason: String::new(), warnings });
+    }
+    let strands = io::strands_of(&opened.groom, options.what);
+    let written = io::write_strands(output, &strands, options.output, Watch::default()).map_err(CliError::failed)?;
+    warnings.extend(written);
+    let (n_strands, n_points) = (strands.n_strands(), strands.n_points());
+    Ok(Converted { n_strands, n_points, space_reason: String::new(), warnings })
 }

@@ -1,15 +1,19 @@
-//! `lorelei looks`: every slot, its choices and their parameters, from the table behind the panels.
+//! `lorelei looks`: every slot, its choices and their parameters, from the tables behind the panels. Layers
+//! and style operators, which are no slots, are listed in the same shape: a layer as a slot with one choice,
+//! an operator as a slot that is on or off.
 
 use lorelei_core::groom::HairMaterial;
-use lorelei_core::look::{Look, ParamValue, Slot};
+use lorelei_core::look::{Look, Param, ParamValue, Slot};
 use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::style::{StyleKind, StyleOp};
 use serde_json::{Value, json};
 
-use super::{CliError, print_line};
+use super::{CliError, print_line, set};
 
 #[derive(Debug, clap::Args)]
 pub struct LooksArguments {
-    /// As JSON: an array of {slot, choices: [{name, label, parameters: [{key, min, max, default, unit}]}]}.
+    /// As JSON: an array of {slot, choices: [{name, label, parameters: [{key, min, max, default, unit}]}]}. Layers
+    /// and style operators follow the slots in the same shape; they count for every layer.
     #[arg(long)]
     json: bool,
 }
@@ -22,14 +26,58 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
     slots.push(material.slot());
     slots.push(simulation.slot());
     if arguments.json {
-        let slots: Vec<Value> = slots.iter().map(slot_json).collect();
-        let text = serde_json::to_string_pretty(&slots).map_err(CliError::failed)?;
+        let mut all: Vec<Value> = slots.iter().map(slot_json).collect();
+        all.extend(layers_json());
+        let text = serde_json::to_string_pretty(&all).map_err(CliError::failed)?;
         return print_line(&text);
     }
     for slot in &slots {
         print_line(&slot_text(slot))?;
     }
+    print_line("layer  Counts and widths of every layer")?;
+    let mut layer = set::sample_layer();
+    print_line(&params_text(&layer.params()))?;
+    for kind in StyleKind::DEFAULTS {
+        let key = set::style_key(kind);
+        print_line(&format!("{key}  {}: every such operator of every layer", kind.help()))?;
+        print_line(&format!("   {key}=on\n   {key}=off"))?;
+        print_line(&params_text(&set::style_params(&mut StyleOp::new(kind))))?;
+    }
     Ok(())
+}
+
+/// Layers and style operators in the shape of slots.
+fn layers_json() -> Vec<Value> {
+    let mut layer = set::sample_layer();
+    let params: Vec<Value> = layer.params().iter().map(param_json).collect();
+    let every = json!({ "name": "every", "label": "Every layer", "help": "", "parameters": params });
+    let mut all = vec![json!({
+        "slot": "layer", "label": "Layer", "help": "Counts and widths of every layer", "default": "every",
+        "choices": [every],
+    })];
+    for kind in StyleKind::DEFAULTS {
+        let mut op = StyleOp::new(kind);
+        let params: Vec<Value> = set::style_params(&mut op).iter().map(param_json).collect();
+        let on = json!({ "name": "on", "label": "On", "help": "Computed", "parameters": params });
+        let off = json!({ "name": "off", "label": "Off", "help": "Left out", "parameters": [] });
+        all.push(json!({
+            "slot": set::style_key(kind), "label": kind.label(), "help": kind.help(), "default": "on",
+            "choices": [on, off],
+        }));
+    }
+    all
+}
+
+fn param_json(param: &Param<'_>) -> Value {
+    let default = match &param.value {
+        ParamValue::F32(value) => json!(shortest(**value)),
+        ParamValue::U32(value) => json!(**value),
+        ParamValue::Colour(rgb) => json!(rgb.map(shortest)),
+    };
+    json!({
+        "key": param.key, "label": param.label, "min": shortest(param.min), "max": shortest(param.max),
+        "default": default, "unit": param.unit, "help": param.help,
+    })
 }
 
 fn slot_json(slot: &Slot<'_>) -> Value {
@@ -42,17 +90,7 @@ fn slot_json(slot: &Slot<'_>) -> Value {
                 .params
                 .iter()
                 .filter(|param| param.of.is_empty() || param.of.contains(&info.name))
-                .map(|param| {
-                    let default = match &param.value {
-                        ParamValue::F32(value) => json!(shortest(**value)),
-                        ParamValue::U32(value) => json!(**value),
-                        ParamValue::Colour(rgb) => json!(rgb.map(shortest)),
-                    };
-                    json!({
-                        "key": param.key, "label": param.label, "min": shortest(param.min), "max": shortest(param.max),
-                        "default": default, "unit": param.unit, "help": param.help,
-                    })
-                })
+                .map(param_json)
                 .collect();
             json!({ "name": info.name, "label": info.label, "help": info.help, "parameters": parameters })
         })
@@ -71,7 +109,13 @@ fn slot_text(slot: &Slot<'_>) -> String {
         let mark = if info == slot.chosen() { "*" } else { " " };
         lines.push(format!(" {mark} {}={:<16} {}", slot.key, info.name, info.help));
     }
-    for param in &slot.params {
+    lines.push(params_text(&slot.params));
+    lines.join("\n")
+}
+
+fn params_text(params: &[Param<'_>]) -> String {
+    let mut lines = Vec::new();
+    for param in params {
         let of = if param.of.is_empty() { String::new() } else { format!("  [{}]", param.of.join(", ")) };
         let unit = if param.unit.is_empty() { String::new() } else { format!(" {}", param.unit) };
         let value = param.value.to_text();
@@ -79,4 +123,39 @@ fn slot_text(slot: &Slot<'_>) -> String {
     }
     lines.push(String::new());
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use lorelei_core::groom::Groom;
+
+    use super::*;
+
+    #[test]
+    fn every_listed_key_is_taken_by_set_and_listed_once() {
+        let (mut look, mut material, mut simulation) =
+            (Look::default(), HairMaterial::default(), SimulationSettings::default());
+        let mut all: Vec<Value> = look.slots().iter().map(slot_json).collect();
+        all.extend([slot_json(&material.slot()), slot_json(&simulation.slot())]);
+        all.extend(layers_json());
+        let mut keys = std::collections::HashSet::new();
+        for slot in &all {
+            let name = slot["slot"].as_str().unwrap();
+            assert!(keys.insert(name.to_owned()), "{name}");
+            let mut of_slot = std::collections::HashSet::new();
+            for choice in slot["choices"].as_array().unwrap() {
+                for param in choice["parameters"].as_array().unwrap() {
+                    let key = param["key"].as_str().unwrap();
+                    // A parameter that belongs to two choices is listed with both.
+                    assert!(!of_slot.insert(key.to_owned()) || keys.insert(key.to_owned()), "{key}");
+                    let value = match &param["default"] {
+                        Value::Array(rgb) => rgb.iter().map(ToString::to_string).collect::<Vec<_>>().join(","),
+                        value => value.to_string(),
+                    };
+                    set::apply(&mut Groom::default(), &[(key.to_owned(), value)]).unwrap();
+                }
+            }
+        }
+        assert!(keys.contains("layer.radius") && keys.contains("style.curl.radius"));
+    }
 }

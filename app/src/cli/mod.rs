@@ -24,7 +24,8 @@ use crate::window;
 #[derive(Debug, Parser)]
 #[command(name = "lorelei", version, args_conflicts_with_subcommands = true, after_help = AFTER_HELP)]
 struct Arguments {
-    /// A groom (.lorelei) or hair of another program: .hair, .tfx, .data, .bin, .ply.
+    /// A groom (.lorelei), hair of another program (.hair, .tfx, .data, .bin, .ply), or an embedded style: long, bob,
+    /// curls.
     file: Option<PathBuf>,
     /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
     #[arg(long, value_name = "MESH")]
@@ -42,7 +43,8 @@ struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   lorelei                                              open the studio with the default groom
-  lorelei bob.lorelei                                  open a groom
+  lorelei bob                                          open an embedded style: long, bob or curls
+  lorelei my.lorelei                                   open a groom
   lorelei render --camera side --out side.png          render the default groom
   lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head
   lorelei looks                                        what --set takes

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::{Groom, Head, Source};
-use lorelei_core::io::{self, Contents, Watch};
+use lorelei_core::groom::{Groom, Source};
+use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::Choice;
 use lorelei_core::motion::Motion;
 use lorelei_shaders::Gpu;
@@ -13,6 +13,7 @@ use serde_json::json;
 
 use super::read_as::ReadAs;
 use super::{CliError, print_line, set, setup};
+use crate::open;
 use crate::stage::{Playback, Stage, bounds_of};
 
 const AFTER_HELP: &str = r#"A set-up file (--setup), either part may be left out:
@@ -29,7 +30,8 @@ Centimetres, Y up, +Z front, colours linear."#;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub struct RenderArguments {
-    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply. Without it: the default groom.
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls.
+    /// Without it: long.
     file: Option<PathBuf>,
     /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
     #[arg(long, value_name = "MESH")]
@@ -49,7 +51,8 @@ pub struct RenderArguments {
     /// Strands in all, shared out over the layers as they are now.
     #[arg(long, value_name = "N")]
     strands: Option<u32>,
-    /// A choice or a number of the look, the fibre (hair.*) or movement (sim.*): `lorelei looks` lists them.
+    /// A choice or a number of the look, the fibre (hair.*), the layers (layer.*, style.*) or movement (sim.*):
+    /// `lorelei looks` lists them.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
     assignments: Vec<(String, String)>,
     /// Let the head move before the picture: none, turn, nod, shake.
@@ -128,7 +131,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if extension.as_deref() != Some("png") {
         return Err(CliError::Usage(format!("--out {}: let the name end in .png", arguments.out.display())));
     }
-    let (mut groom, warnings) = open(arguments.file.as_deref(), arguments.head.as_deref(), arguments.read_as)?;
+    let (mut groom, warnings) = groom_of(arguments.file.as_deref(), arguments.head.as_deref(), arguments.read_as)?;
     set::apply(&mut groom, &arguments.assignments)?;
     if let Some(n_strands) = arguments.strands {
         set_strand_count(&mut groom, n_strands);
@@ -189,7 +192,10 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if let Some(folder) = arguments.out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))?;
     }
-    picture.save(&arguments.out).map_err(|why| CliError::Failed(format!("{}: {why}", arguments.out.display())))?;
+    write_atomically(&arguments.out, |file| {
+        picture.write_to(file, image::ImageFormat::Png).map_err(std::io::Error::other)
+    })
+    .map_err(CliError::failed)?;
     let statistics = stage.statistics();
     let frame_ms = median(frame_times);
     let gpu_ms = pass_medians(&pass_times);
@@ -225,36 +231,18 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
 }
 
 /// The groom to render, and what is to be said about it.
-fn open(file: Option<&Path>, head: Option<&Path>, read_as: ReadAs) -> Result<(Groom, Vec<String>), CliError> {
+fn groom_of(file: Option<&Path>, head: Option<&Path>, read_as: ReadAs) -> Result<(Groom, Vec<String>), CliError> {
     let Some(file) = file else {
         let mut groom = lorelei_assets::default_groom();
-        let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
-        return Ok((groom, warnings.unwrap_or_default()));
+        let put_on = |head| open::put_on(&mut groom, head, Watch::default()).map_err(CliError::failed);
+        let warnings = head.map(put_on).transpose()?.unwrap_or_default();
+        return Ok((groom, warnings));
     };
-    match io::detect(file).map_err(CliError::failed)?.contents() {
-        Contents::Document => {
-            let mut groom = lorelei_core::document::open(file).map_err(CliError::failed)?;
-            let warnings = head.map(|head| put_on(&mut groom, head)).transpose()?;
-            Ok((groom, warnings.unwrap_or_default()))
-        }
-        Contents::Strands => {
-            let import = io::import_groom(file, head, read_as.options(), Watch::default());
-            let import = import.map_err(CliError::failed)?;
-            Ok((import.groom, import.warnings))
-        }
-        Contents::Mesh => Err(CliError::Usage(format!(
-            "{} is a mesh, not hair: give it with --head, beside a groom or hair",
-            file.display()
-        ))),
+    match open::open(file, head, read_as.options(), Watch::default()) {
+        Ok(opened) => Ok((opened.groom, opened.notes)),
+        Err(why @ open::OpenError::IsMesh(_)) => Err(CliError::Usage(why.to_string())),
+        Err(why) => Err(CliError::failed(why)),
     }
-}
-
-fn put_on(groom: &mut Groom, path: &Path) -> Result<Vec<String>, CliError> {
-    let import = io::read_mesh(path, Watch::default()).map_err(CliError::failed)?;
-    let warnings = import.warnings.clone();
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    groom.head = Some(Head { read_as: Some(import.space), ..Head::new(name, import.place()) });
-    Ok(warnings)
 }
 
 /// Share `n_strands` out over the visible layers in proportion to what they have. Imported strands are as

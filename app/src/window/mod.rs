@@ -469,8 +469,8 @@ impl Studio {
     }
 
     fn recover(&mut self, path: &Path) {
-        match lorelei_core::document::open(path) {
-            Ok(groom) => {
+        match crate::open::document(path) {
+            Ok((groom, _)) => {
                 self.show_document(groom, None, true);
                 if let Some(recovery) = &mut self.recovery {
                     recovery.forget_left();

@@ -97,7 +97,7 @@ pub(super) struct Parts<'g> {
 /// Take a groom apart.
 pub(super) fn split(groom: &Groom) -> Parts<'_> {
     let mut arrays = Vec::new();
-    if let Some(head) = &groom.head {
+    if let Some(head) = groom.head.as_ref().filter(|head| head.embedded.is_none()) {
         put_mesh(&mut arrays, &head.mesh);
     }
     for (layer_idx, layer) in groom.layers.iter().enumerate() {
@@ -125,7 +125,9 @@ fn emptied(groom: &Groom) -> Groom {
     let mut light = groom.clone();
     if let Some(head) = &mut light.head {
         let mut mesh = TriMesh::default();
-        mesh.groups.clone_from(&head.mesh.groups);
+        if head.embedded.is_none() {
+            mesh.groups.clone_from(&head.mesh.groups);
+        }
         mesh.groups.iter_mut().for_each(|group| group.triangles = Vec::new());
         head.mesh = Arc::new(mesh);
     }

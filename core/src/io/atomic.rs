@@ -15,8 +15,8 @@ const N_TRIES: u32 = 100;
 
 static N_TEMPORARY: AtomicU32 = AtomicU32::new(0);
 
-/// Let `write` fill a new file, then put it in place of `path`.
-pub(crate) fn write_atomically(
+/// Let `write` fill a new file, then put it in place of `path`. On an error what was there is untouched.
+pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<(), WriteError> {

@@ -32,7 +32,7 @@ mod tests;
 
 use std::path::Path;
 
-pub(crate) use atomic::write_atomically;
+pub use atomic::write_atomically;
 pub use convert::{ConvertError, ConvertOptions, Converted, What, convert, strands_of};
 pub use detect::{Contents, Format, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS, detect};
 pub use error::{Place, ReadError, WriteError};

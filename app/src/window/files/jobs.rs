@@ -8,6 +8,8 @@ use lorelei_core::document;
 use lorelei_core::groom::{Groom, Head, Layer};
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
 
+use crate::open;
+
 /// What came of a job.
 pub enum Done {
     /// A document; `path` is its `.lorelei` file.
@@ -115,30 +117,26 @@ impl Jobs {
 /// Open whatever a file holds: a document, or hair of another program as a new document.
 pub fn open(path: &Path, head_path: Option<&Path>, watch: Watch<'_>) -> Done {
     let failed = |why: String| Done::Failed { title: format!("Could not open {}", name_of(path)), why };
-    let format = match io::detect(path) {
-        Ok(format) => format,
-        Err(why) => return failed(why.to_string()),
-    };
-    match format.contents() {
-        Contents::Document => match document::open(path) {
-            Ok(groom) => Done::Opened {
-                groom: Box::new(groom),
-                path: Some(path.to_owned()),
-                source: path.to_owned(),
-                notes: Vec::new(),
-            },
-            Err(why) => failed(why.to_string()),
-        },
-        Contents::Strands => match io::import_groom(path, head_path, ImportOptions::default(), watch) {
-            Ok(import) => {
-                let mut notes = vec![format!("Read as {}", import.space_reason)];
-                notes.extend(import.warnings);
-                Done::Opened { groom: Box::new(import.groom), path: None, source: path.to_owned(), notes }
+    if open::hairstyle_named(path).is_none() && io::detect(path).is_ok_and(|format| format.contents() == Contents::Mesh)
+    {
+        return import_head(path, watch);
+    }
+    match open::open(path, head_path, ImportOptions::default(), watch) {
+        Ok(opened) => {
+            let mut notes = opened.notes;
+            if !opened.space_reason.is_empty() {
+                notes.insert(0, format!("Read as {}", opened.space_reason));
             }
-            Err(why) if why.is_cancelled() => Done::Cancelled,
-            Err(why) => failed(why.to_string()),
-        },
-        Contents::Mesh => import_head(path, watch),
+            let is_style = open::hairstyle_named(path).is_some();
+            Done::Opened {
+                groom: Box::new(opened.groom),
+                path: opened.is_document.then(|| path.to_owned()),
+                source: if is_style { PathBuf::new() } else { path.to_owned() },
+                notes,
+            }
+        }
+        Err(why) if why.is_cancelled() => Done::Cancelled,
+        Err(why) => failed(why.to_string()),
     }
 }
 
@@ -152,15 +150,8 @@ pub fn import_hair(path: &Path, watch: Watch<'_>) -> Done {
 
 /// Read a mesh as the head.
 pub fn import_head(path: &Path, watch: Watch<'_>) -> Done {
-    match io::read_mesh(path, watch) {
-        Ok(import) => {
-            let mut notes = vec![format!("Read as {}", import.space_reason)];
-            notes.extend(import.warnings.iter().cloned());
-            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let read_as = Some(import.space);
-            let head = Head { read_as, ..Head::new(name, import.place()) };
-            Done::Head { head, source: path.to_owned(), notes }
-        }
+    match open::read_head(path, watch) {
+        Ok((head, notes)) => Done::Head { head, source: path.to_owned(), notes },
         Err(why) if why.is_cancelled() => Done::Cancelled,
         Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
     }
