@@ -12,6 +12,7 @@ use crate::groom::{Head, Layer, ScalpMap, Source};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
 use crate::hash::combine;
+use crate::io::Watch;
 use crate::mean_value::mean_value_weights;
 use crate::mesh::{SCALP_GROUP, TriMesh};
 use crate::mesh_query::MeshQuery;
@@ -62,14 +63,27 @@ const PARTED: f32 = 0.3;
 /// Bind a layer's strands to its guides. `head` gives roots their exact place, normal and texture
 /// coordinates, where it is near.
 pub fn bind_layer(layer: &Layer, head: Option<&Head>) -> LayerBinding {
+    bind_layer_watched(layer, head, Watch::default()).unwrap_or_default()
+}
+
+/// As [`bind_layer`]; `None` where it was cancelled. A cancel counts between two steps of the work.
+pub fn bind_layer_watched(layer: &Layer, head: Option<&Head>, watch: Watch<'_>) -> Option<LayerBinding> {
+    let done = |share: f32| {
+        watch.progress(share);
+        (!watch.cancelled()).then_some(())
+    };
+    done(0.0)?;
     let scalp = head.and_then(|head| Scalp::new(&head.mesh));
+    done(0.05)?;
     let mut binding = match &layer.source {
         Source::HairMesh(mesh) => bind_hair_mesh(layer, mesh, scalp.as_ref()),
         Source::Guides(guides) => bind_guides(layer, guides, scalp.as_ref()),
         Source::Strands(strands) => bind_strands(layer, strands, scalp.as_ref()),
     };
+    done(0.6)?;
     binding.restyle(&layer.style);
-    binding
+    done(1.0)?;
+    Some(binding)
 }
 
 impl LayerBinding {

@@ -6,9 +6,11 @@
 
 use glam::Affine3A;
 use lorelei_core::groom::Groom;
+use lorelei_core::io::Watch;
 use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
+use crate::bound::Bound;
 use crate::mirror::{Mirror, MirrorError, StrandBuffers};
 
 /// Makes the strands of a groom.
@@ -61,7 +63,13 @@ impl StrandGenerator {
 
     /// Take over what changed in the groom. Returns what the user should know.
     pub fn set_groom(&mut self, gpu: &Gpu, groom: &Groom) -> Result<Vec<String>, MirrorError> {
-        self.mirror.set_groom(gpu, groom)
+        let bound = self.mirror.bound().update(groom, Watch::default()).unwrap_or_default();
+        self.mirror.set_bound(gpu, groom, bound)
+    }
+
+    /// As [`StrandGenerator::set_groom`], where the strands were bound already.
+    pub fn set_bound(&mut self, gpu: &Gpu, groom: &Groom, bound: Bound) -> Result<Vec<String>, MirrorError> {
+        self.mirror.set_bound(gpu, groom, bound)
     }
 
     pub fn mirror(&self) -> &Mirror {

@@ -1,5 +1,6 @@
 //! A scene in, a texture out; and the CPU references that it is tested against.
 
+mod bound;
 pub mod exact;
 mod frame;
 pub mod generate;
@@ -19,6 +20,7 @@ pub mod slot;
 pub mod tonemap;
 pub mod view;
 
+pub use bound::Bound;
 pub use frame::FrameInput;
 pub use raster::TooManyVertices;
 pub use renderer::{FrameStatistics, Pixels, RenderError, Renderer};

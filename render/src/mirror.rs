@@ -7,14 +7,15 @@
 
 use std::sync::Arc;
 
-use lorelei_core::binding::{LayerBinding, bind_layer};
-use lorelei_core::clumps::Clumps;
-use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
+use lorelei_core::binding::LayerBinding;
+use lorelei_core::distance_field::DistanceField;
 use lorelei_core::generate::Lod;
-use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::groom::{Groom, Layer};
 use lorelei_core::style::{StyleKind, StyleOp};
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use wgpu::BufferUsages;
+
+use crate::bound::{Bound, BoundLayer};
 
 /// Why strands cannot be made on this GPU.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -68,10 +69,12 @@ pub struct StrandBuffers {
 }
 
 /// A layer on the GPU.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct LayerMirror {
     pub(crate) layer: Layer,
     pub(crate) binding: Arc<LayerBinding>,
+    /// [`BoundLayer::places`] of what the buffers hold.
+    places: u64,
     pub(crate) guides: wgpu::Buffer,
     pub(crate) strands: wgpu::Buffer,
     pub(crate) influences: wgpu::Buffer,
@@ -88,8 +91,7 @@ pub(crate) struct LayerMirror {
 #[derive(Debug)]
 pub struct Mirror {
     pub(crate) layers: Vec<LayerMirror>,
-    head: Option<Head>,
-    field: Option<Arc<DistanceField>>,
+    bound: Bound,
     pub(crate) field_buffer: wgpu::Buffer,
     pub(crate) buffers: StrandBuffers,
 }
@@ -136,64 +138,51 @@ impl Mirror {
         };
         Self {
             layers: Vec::new(),
-            head: None,
-            field: None,
+            bound: Bound::default(),
             field_buffer: gpu.buffer("generate.field", 0, STORAGE),
             buffers,
         }
     }
 
-    /// Bring the GPU up to date with the groom. What it returns is to be shown to the user: what did not
-    /// fit.
-    pub(crate) fn set_groom(&mut self, gpu: &Gpu, groom: &Groom) -> Result<Vec<String>, MirrorError> {
-        let mut warnings = Vec::new();
-        let same_head = match (&self.head, &groom.head) {
-            (Some(a), Some(b)) => Arc::ptr_eq(&a.mesh, &b.mesh),
+    /// Bring the GPU up to date with the groom, whose strands were bound as `bound`. What it returns is to be
+    /// shown to the user: what did not fit. After an error the GPU holds what it held before.
+    pub(crate) fn set_bound(&mut self, gpu: &Gpu, groom: &Groom, bound: Bound) -> Result<Vec<String>, MirrorError> {
+        let mut warnings = bound.warnings.clone();
+        let mut layers: Vec<LayerMirror> = Vec::with_capacity(groom.layers.len());
+        for (layer, bound) in groom.layers.iter().zip(&bound.layers) {
+            // Two layers of the same strands have buffers of their own: their styles may differ.
+            let is_taken = |old: &LayerMirror| layers.iter().any(|new| new.guides == old.guides);
+            let known = self.layers.iter().find(|old| old.places == bound.places && !is_taken(old));
+            let mirror = match known.cloned() {
+                Some(mut known) => {
+                    known.restyle(gpu, layer, &bound.binding);
+                    known
+                }
+                None => LayerMirror::new(gpu, layer, bound)?,
+            };
+            layers.push(mirror);
+        }
+        let before = std::mem::replace(&mut self.layers, layers);
+        if let Err(error) = self.place_layers(gpu, &mut warnings) {
+            self.layers = before;
+            return Err(error);
+        }
+        let is_same_field = match (&self.bound.field, &bound.field) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (None, None) => true,
             (Some(_), None) | (None, Some(_)) => false,
         };
-        if !same_head {
-            self.set_head(gpu, groom.head.as_ref(), &mut warnings);
+        if !is_same_field {
+            let values = bound.field.as_ref().map_or(&[] as &[f32], |field| &field.values);
+            self.field_buffer = gpu.buffer_of("generate.field", values, STORAGE);
         }
-        let head = self.head.clone();
-        let mut old: Vec<Option<LayerMirror>> = std::mem::take(&mut self.layers).into_iter().map(Some).collect();
-        for layer in &groom.layers {
-            // A layer is known again by what it was bound from, wherever it has moved to.
-            let known = old
-                .iter_mut()
-                .find(|known| same_head && known.as_ref().is_some_and(|known| binds_alike(&known.layer, layer)));
-            let mirror = if let Some(mut known) = known.and_then(Option::take) {
-                if known.layer.style != layer.style {
-                    warnings.extend(layer.warning());
-                }
-                known.restyle(gpu, layer);
-                known
-            } else {
-                if let Source::HairMesh(mesh) = &layer.source
-                    && let Err(error) = mesh.check()
-                {
-                    warnings.push(format!("{} has no hair: {error}", layer.name));
-                }
-                warnings.extend(layer.warning());
-                LayerMirror::new(gpu, layer, head.as_ref())?
-            };
-            self.layers.push(mirror);
-        }
-        self.place_layers(gpu, &mut warnings)?;
+        self.bound = bound;
         Ok(warnings)
     }
 
-    fn set_head(&mut self, gpu: &Gpu, head: Option<&Head>, warnings: &mut Vec<String>) {
-        self.head = head.cloned();
-        self.field = head.and_then(|head| match DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION) {
-            Ok(field) => Some(Arc::new(field)),
-            Err(error) => {
-                warnings.push(format!("Strands are not kept out of {}: {error}", head.name));
-                None
-            }
-        });
-        let values = self.field.as_ref().map_or(&[] as &[f32], |field| &field.values);
-        self.field_buffer = gpu.buffer_of("generate.field", values, STORAGE);
+    /// What the strands on the GPU were bound to.
+    pub fn bound(&self) -> &Bound {
+        &self.bound
     }
 
     /// Give every visible layer its room in the shared buffers.
@@ -251,7 +240,7 @@ impl Mirror {
 
     /// The head's distance field, head space.
     pub fn field(&self) -> Option<&Arc<DistanceField>> {
-        self.field.as_ref()
+        self.bound.field.as_ref()
     }
 
     /// What a layer's strands hang on; its guides are what a solver moves.
@@ -280,8 +269,8 @@ impl Mirror {
 }
 
 impl LayerMirror {
-    fn new(gpu: &Gpu, layer: &Layer, head: Option<&Head>) -> Result<Self, MirrorError> {
-        let binding = bind_layer(layer, head);
+    fn new(gpu: &Gpu, layer: &Layer, bound: &BoundLayer) -> Result<Self, MirrorError> {
+        let binding = &bound.binding;
         let available = gpu.max_storage_binding();
         for (what, needed) in [
             ("The guides", 16 * binding.guides.positions.len()),
@@ -315,25 +304,24 @@ impl LayerMirror {
             ops: gpu.buffer("generate.ops", 16, STORAGE),
             n_ops: 0,
             widest_scale: binding.radius_scales.iter().copied().fold(1.0, f32::max),
-            binding: Arc::new(binding),
+            binding: Arc::clone(binding),
+            places: bound.places,
             place: None,
         })?;
         mirror.send_ops(gpu);
         Ok(mirror)
     }
 
-    /// Take over a layer that is bound alike.
-    fn restyle(&mut self, gpu: &Gpu, layer: &Layer) {
-        let same_style = self.layer.style == layer.style;
+    /// Take over a layer whose guides, roots and weights are the same.
+    fn restyle(&mut self, gpu: &Gpu, layer: &Layer, binding: &Arc<LayerBinding>) {
+        let is_same = self.layer.style == layer.style && Arc::ptr_eq(&self.binding, binding);
         self.layer = layer.clone();
-        if same_style {
+        if is_same {
             return;
         }
-        if Clumps::sizes_of(&layer.style) != self.binding.clumps.sizes {
-            let mut binding = LayerBinding::clone(&self.binding);
-            binding.restyle(&layer.style);
+        if !Arc::ptr_eq(&self.binding, binding) {
             self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
-            self.binding = Arc::new(binding);
+            self.binding = Arc::clone(binding);
         }
         self.send_ops(gpu);
     }
@@ -359,21 +347,6 @@ impl LayerMirror {
         let n_room = self.place.map_or(0, |place| place.n_strands) as f32;
         if n_room >= n { 1.0 } else { n_room / n / (1.0 + lorelei_core::generate::LOD_FADE) }
     }
-}
-
-/// Do two layers have the same guides, roots and weights?
-fn binds_alike(a: &Layer, b: &Layer) -> bool {
-    let same_source = match (&a.source, &b.source) {
-        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
-        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
-        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
-    };
-    let same_density = match (&a.density, &b.density) {
-        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-        (None, None) => true,
-        (Some(_), None) | (None, Some(_)) => false,
-    };
-    same_source && same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
 }
 
 fn gpu_op(op: &StyleOp, binding: &LayerBinding) -> GpuOp {

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use lorelei_core::groom::{Groom, HairMaterial};
-use lorelei_core::look::{DeepOpacityParams, HeadShading, Primitive, Shadowing, Transparency};
+use lorelei_core::io::Watch;
+use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
+use crate::bound::Bound;
 use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass};
@@ -127,10 +129,16 @@ impl Renderer {
 
     /// Take over what changed in the groom; what is the same is not sent again. Returns warnings for the user.
     pub fn set_groom(&mut self, groom: &Groom) -> Result<Vec<String>, RenderError> {
+        let bound = self.mirror().bound().update(groom, Watch::default()).unwrap_or_default();
+        self.set_bound(groom, bound)
+    }
+
+    /// As [`Renderer::set_groom`], where the strands were bound already: [`Bound::update`] of this very groom.
+    pub fn set_bound(&mut self, groom: &Groom, bound: Bound) -> Result<Vec<String>, RenderError> {
         let head_of = |groom: &Groom| groom.head.as_ref().map(|head| Arc::as_ptr(&head.mesh));
         let is_new_head = self.groom.as_ref().is_none_or(|old| head_of(old) != head_of(groom));
         let is_new_shape = self.groom.as_ref().is_none_or(|old| old.layers != groom.layers);
-        let warnings = self.generator.set_groom(&self.gpu, groom)?;
+        let warnings = self.generator.set_bound(&self.gpu, groom, bound)?;
         if is_new_head {
             let mesh = groom.head.as_ref().map(|head| &*head.mesh);
             self.gpu.checked(|| {
@@ -145,6 +153,13 @@ impl Renderer {
         self.groom = Some(groom.clone());
         self.gpu.take_error()?;
         Ok(warnings)
+    }
+
+    /// Draw the next frames with another look: a coarser one while something moves.
+    pub fn set_look(&mut self, look: &Look) {
+        if let Some(groom) = &mut self.groom {
+            groom.look.clone_from(look);
+        }
     }
 
     /// Make everything again in the next frame, as if it had changed: for measurements.

@@ -15,7 +15,7 @@ use super::manifest::{Content, Manifest, Parts, density_name, faces_of, group_na
 use super::{MANIFEST, MAX_MANIFEST_BYTES};
 use crate::groom::{Groom, ScalpMap, Source};
 use crate::hair_mesh::HairMesh;
-use crate::io::{ReadError, usable_memory};
+use crate::io::{ReadError, Watch, usable_memory};
 use crate::mesh::TriMesh;
 use crate::strands::Strands;
 
@@ -25,9 +25,13 @@ const MAX_DEFLATE_RATIO: u64 = 1032;
 /// An array larger than this is marked as such; zip's plain sizes end at 4 GiB.
 const LARGE_BYTES: u64 = 3 << 30;
 
+/// Bytes between two looks at the cancel flag.
+const CHUNK: usize = 4 << 20;
+
 pub(super) fn write<W: Write + Seek>(
     archive: &mut ZipWriter<W>,
     parts: &Parts<'_>,
+    watch: Watch<'_>,
 ) -> Result<(), Box<dyn std::error::Error + Send + Sync>> {
     let options = |n_bytes: u64, method| {
         // No date: the same groom gives the same file.
@@ -39,16 +43,29 @@ pub(super) fn write<W: Write + Seek>(
     let text = parts.manifest.to_text()?;
     archive.start_file(MANIFEST, options(text.len() as u64, CompressionMethod::Deflated))?;
     archive.write_all(text.as_bytes())?;
+    let n_all: u64 = parts.arrays.iter().map(|part| part.content.n() * 4).sum();
+    let mut n_written = 0;
+    let mut put = |archive: &mut ZipWriter<W>, bytes: &[u8]| -> std::io::Result<()> {
+        for piece in bytes.chunks(CHUNK) {
+            if watch.cancelled() {
+                return Err(std::io::Error::other("cancelled"));
+            }
+            archive.write_all(piece)?;
+            n_written += piece.len() as u64;
+            watch.progress((n_written as f64 / n_all.max(1) as f64).min(1.0) as f32);
+        }
+        Ok(())
+    };
     for part in &parts.arrays {
         let n_bytes = part.content.n() * 4;
         match &part.content {
             Content::Floats(values) => {
                 archive.start_file(&part.name, options(n_bytes, CompressionMethod::Deflated))?;
-                archive.write_all(bytemuck::cast_slice(values))?;
+                put(archive, bytemuck::cast_slice(values))?;
             }
             Content::Whole(values) => {
                 archive.start_file(&part.name, options(n_bytes, CompressionMethod::Deflated))?;
-                archive.write_all(bytemuck::cast_slice(values))?;
+                put(archive, bytemuck::cast_slice(values))?;
             }
             Content::Map(map) => {
                 // A PNG is packed already.
@@ -60,7 +77,7 @@ pub(super) fn write<W: Write + Seek>(
                     map.height,
                     image::ExtendedColorType::L8,
                 )?;
-                archive.write_all(&png)?;
+                put(archive, &png)?;
             }
         }
     }
@@ -88,6 +105,7 @@ pub(super) fn join<R: Read + Seek>(
     archive: &mut ZipArchive<R>,
     path: &Path,
     manifest: Manifest,
+    watch: Watch<'_>,
 ) -> Result<Groom, DocumentError> {
     let mut groom = manifest.groom;
     let needed = manifest.arrays.iter().fold(0u64, |sum, info| sum.saturating_add(info.n.saturating_mul(4)));
@@ -96,7 +114,7 @@ pub(super) fn join<R: Read + Seek>(
         return Err(ReadError::TooLarge { path: path.to_owned(), needed, allowed }.into());
     }
     let n_of = manifest.arrays.into_iter().map(|info| (info.name, info.n)).collect();
-    let mut arrays = Arrays { archive, path, n_of };
+    let mut arrays = Arrays { archive, path, watch, n_bytes: needed, n_read: 0, n_of };
     if let Some(head) = &mut groom.head {
         head.mesh = Arc::new(arrays.mesh(&head.mesh)?);
     }
@@ -116,6 +134,10 @@ pub(super) fn join<R: Read + Seek>(
 struct Arrays<'r, R> {
     archive: &'r mut ZipArchive<R>,
     path: &'r Path,
+    watch: Watch<'r>,
+    /// Bytes of all arrays, and of those that were read.
+    n_bytes: u64,
+    n_read: u64,
     /// Values of each array by its name; what is not listed is empty.
     n_of: HashMap<String, u64>,
 }
@@ -145,7 +167,15 @@ impl<R: Read + Seek> Arrays<'_, R> {
             allowed: usable_memory(),
         })?;
         values.resize((n / per_value) as usize, T::zeroed());
-        entry.read_exact(bytemuck::cast_slice_mut(&mut values)).map_err(|error| bad(error.to_string()))?;
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut values);
+        for piece in bytes.chunks_mut(CHUNK) {
+            if self.watch.cancelled() {
+                return Err(ReadError::Cancelled { path: path.to_owned() }.into());
+            }
+            entry.read_exact(piece).map_err(|error| bad(error.to_string()))?;
+            self.n_read += piece.len() as u64;
+            self.watch.progress((self.n_read as f64 / self.n_bytes.max(1) as f64) as f32);
+        }
         // Reading on to the end is what compares the checksum.
         let n_more = std::io::copy(&mut entry.take(1), &mut std::io::sink()).map_err(|error| bad(error.to_string()))?;
         if n_more > 0 {

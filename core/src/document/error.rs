@@ -27,6 +27,10 @@ pub enum DocumentError {
 }
 
 impl DocumentError {
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Read(ReadError::Cancelled { .. }) | Self::Write(WriteError::Cancelled { .. }))
+    }
+
     /// Damage of the archive itself.
     pub(super) fn archive(path: &Path, error: ZipError) -> Self {
         let problem = match error {

@@ -37,19 +37,32 @@ const MAX_MANIFEST_BYTES: u64 = 64 << 20;
 
 /// Save a groom. What was at `path` stays until the new file is complete on the disk.
 pub fn save(groom: &Groom, path: &Path) -> Result<(), DocumentError> {
+    save_watched(groom, path, Watch::default())
+}
+
+/// As [`save`], with progress; a cancelled save leaves what was at `path`.
+pub fn save_watched(groom: &Groom, path: &Path, watch: Watch<'_>) -> Result<(), DocumentError> {
     check::check(groom).map_err(|problem| DocumentError::Unsound { path: path.to_owned(), problem })?;
     let parts = manifest::split(groom);
     write_atomically(path, |out| {
         let mut archive = zip::ZipWriter::new(out);
-        arrays::write(&mut archive, &parts).map_err(io::Error::other)?;
+        arrays::write(&mut archive, &parts, watch).map_err(io::Error::other)?;
         archive.finish().map_err(io::Error::other)?;
         Ok(())
     })
-    .map_err(DocumentError::Write)
+    .map_err(|error| {
+        let cancelled = crate::io::WriteError::Cancelled { path: path.to_owned() };
+        DocumentError::Write(if watch.cancelled() { cancelled } else { error })
+    })
 }
 
 /// Open a document.
 pub fn open(path: &Path) -> Result<Groom, DocumentError> {
+    open_watched(path, Watch::default())
+}
+
+/// As [`open`], with progress and cancel.
+pub fn open_watched(path: &Path, watch: Watch<'_>) -> Result<Groom, DocumentError> {
     // Asks for a file that is there, readable, not empty, and a document.
     let format = detect(path)?;
     if format != Format::Lorelei {
@@ -57,20 +70,20 @@ pub fn open(path: &Path) -> Result<Groom, DocumentError> {
     }
     let file =
         std::fs::File::open(path).map_err(|source| crate::io::ReadError::Open { path: path.to_owned(), source })?;
-    read(BufReader::new(file), path)
+    read(BufReader::new(file), path, watch)
 }
 
 /// Open a document from memory; `name` stands for the path in errors.
 pub fn open_bytes(name: &str, bytes: &[u8]) -> Result<Groom, DocumentError> {
     Source::from_bytes(name, bytes, Watch::default())?;
-    read(io::Cursor::new(bytes), Path::new(name))
+    read(io::Cursor::new(bytes), Path::new(name), Watch::default())
 }
 
-fn read<R: Read + Seek>(reader: R, path: &Path) -> Result<Groom, DocumentError> {
+fn read<R: Read + Seek>(reader: R, path: &Path, watch: Watch<'_>) -> Result<Groom, DocumentError> {
     let mut archive = ZipArchive::new(reader).map_err(|error| DocumentError::archive(path, error))?;
     let text = arrays::read_text(&mut archive, path, MANIFEST, MAX_MANIFEST_BYTES)?;
     let manifest = Manifest::parse(&text, path)?;
-    let groom = arrays::join(&mut archive, path, manifest)?;
+    let groom = arrays::join(&mut archive, path, manifest, watch)?;
     check::check(&groom).map_err(|problem| DocumentError::Corrupt {
         path: path.to_owned(),
         part: "its contents".to_owned(),

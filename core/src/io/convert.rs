@@ -8,7 +8,7 @@ use super::groom::{ImportOptions, import_groom};
 use super::read_strands;
 use super::source::Watch;
 use super::write::{WriteOptions, write_strands};
-use crate::binding::{LayerBinding, bind_layer};
+use crate::binding::{LayerBinding, bind_layer, bind_layer_watched};
 use crate::distance_field::DistanceField;
 use crate::document::{self, DocumentError};
 use crate::generate::{Pose, generate, taper};
@@ -113,11 +113,19 @@ fn to_document(
 
 /// The curves of all visible layers, in the world, with their widths.
 pub fn strands_of(groom: &Groom, what: What) -> Strands {
+    strands_of_watched(groom, what, Watch::default()).unwrap_or_default()
+}
+
+/// As [`strands_of`], with progress; `None` where it was cancelled.
+pub fn strands_of_watched(groom: &Groom, what: What, watch: Watch<'_>) -> Option<Strands> {
     // A head without a volume keeps nothing out.
     let field = groom.head.as_ref().and_then(|head| DistanceField::from_mesh(&head.mesh, FIELD_NODES).ok());
     let mut all = Strands::default();
     let visible: Vec<&Layer> = groom.layers.iter().filter(|layer| layer.visible).collect();
-    for layer in &visible {
+    for (layer_idx, layer) in visible.iter().enumerate() {
+        let n_layers = visible.len() as f32;
+        let on_progress = |share: f32| watch.progress((layer_idx as f32 + 0.6 * share) / n_layers);
+        let of_layer = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
         let strands = match (&layer.source, what) {
             // As they came, with all their points: nothing is made of them.
             (Source::Strands(strands), What::Guides) => with_widths((**strands).clone(), layer),
@@ -129,14 +137,17 @@ pub fn strands_of(groom: &Groom, what: What) -> Strands {
                 with_widths(guides_of(&bind_layer(layer, groom.head.as_ref())), layer)
             }
             (_, What::Strands) => {
-                let binding = bind_layer(layer, groom.head.as_ref());
+                let binding = bind_layer_watched(layer, groom.head.as_ref(), of_layer)?;
                 let pose = Pose { field: field.as_ref(), ..Pose::default() };
                 generate(&binding, layer, &binding.guides.positions, &pose)
             }
         };
         append(&mut all, strands);
+        if watch.cancelled() {
+            return None;
+        }
     }
-    all
+    Some(all)
 }
 
 /// Nodes on the longest side of the distance field, as where strands are drawn.

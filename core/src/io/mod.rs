@@ -33,7 +33,7 @@ mod tests;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use convert::{ConvertError, ConvertOptions, Converted, What, convert, strands_of};
+pub use convert::{ConvertError, ConvertOptions, Converted, What, convert, strands_of, strands_of_watched};
 pub use detect::{Contents, Format, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS, detect};
 pub use error::{Place, ReadError, WriteError};
 pub use groom::{GroomImport, ImportOptions, groom_of, import_groom};

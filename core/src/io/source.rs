@@ -34,13 +34,14 @@ impl<'a> Watch<'a> {
         Self { on_progress: Some(on_progress), cancel: Some(cancel) }
     }
 
-    pub(crate) fn progress(&self, share: f32) {
+    /// Tell how much is done, 0-1.
+    pub fn progress(&self, share: f32) {
         if let Some(on_progress) = self.on_progress {
             on_progress(share);
         }
     }
 
-    pub(crate) fn cancelled(&self) -> bool {
+    pub fn cancelled(&self) -> bool {
         self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed))
     }
 }

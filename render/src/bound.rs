@@ -1,0 +1,148 @@
+//! What is computed on the CPU before strands can be drawn: the head's distance field, and what each layer's
+//! strands hang on. It takes the longest of all that opening a groom takes, so it needs no GPU, can run on any
+//! thread, tells its progress and can be cancelled; nothing changes until the mirror takes it over.
+//!
+//! Each layer is known again by what it was bound from, wherever it has moved to; another style looks only
+//! for the clumps again.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use lorelei_core::binding::{LayerBinding, bind_layer_watched};
+use lorelei_core::clumps::Clumps;
+use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
+use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::io::Watch;
+
+/// A groom's layers bound to their guides and head.
+#[derive(Debug, Clone, Default)]
+pub struct Bound {
+    head: Option<Head>,
+    pub(crate) field: Option<Arc<DistanceField>>,
+    pub(crate) layers: Vec<BoundLayer>,
+    /// About what was computed anew.
+    pub(crate) warnings: Vec<String>,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) struct BoundLayer {
+    layer: Layer,
+    pub(crate) binding: Arc<LayerBinding>,
+    /// The same number: the same guides, roots and weights. The clumps may differ.
+    pub(crate) places: u64,
+}
+
+/// Share of the work that the distance field is, beside a layer of 100,000 strands.
+const FIELD_SHARE: f32 = 0.3;
+
+static N_PLACES: AtomicU64 = AtomicU64::new(0);
+
+impl Bound {
+    /// Bind a groom; what is bound alike in `self` is kept. `None` where it was cancelled.
+    pub fn update(&self, groom: &Groom, watch: Watch<'_>) -> Option<Self> {
+        let mut warnings = Vec::new();
+        let is_same_head = self.has_head_of(groom);
+        let known: Vec<Option<&BoundLayer>> =
+            groom.layers.iter().map(|layer| self.known(layer).filter(|_| is_same_head)).collect();
+        let cost_of = |layer: &Layer, known: Option<&BoundLayer>| -> f32 {
+            let cost = if known.is_some() { 0.0 } else { 1.0 };
+            cost * layer.n_strands as f32 * 1e-5
+        };
+        let field_cost = if is_same_head { 0.0 } else { FIELD_SHARE };
+        let all: f32 = groom.layers.iter().zip(&known).map(|(layer, known)| cost_of(layer, *known)).sum();
+        let all = (all + field_cost).max(1e-6);
+        let field = if is_same_head { self.field.clone() } else { field_of(groom.head.as_ref(), &mut warnings) };
+        let mut done = field_cost;
+        let mut layers = Vec::with_capacity(groom.layers.len());
+        for (layer, known) in groom.layers.iter().zip(known) {
+            let cost = cost_of(layer, known);
+            let before = done;
+            let on_progress = |share: f32| watch.progress((before + share * cost) / all);
+            let watch = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
+            layers.push(bind(layer, known, groom.head.as_ref(), watch, &mut warnings)?);
+            done += cost;
+        }
+        Some(Self { head: groom.head.clone(), field, layers, warnings })
+    }
+
+    /// Whether [`Bound::update`] has more to do than to compare.
+    pub fn is_behind(&self, groom: &Groom) -> bool {
+        let is_current = |layer: &Layer| self.known(layer).is_some_and(|known| known.has_clumps_of(layer));
+        !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
+    }
+
+    fn has_head_of(&self, groom: &Groom) -> bool {
+        match (&self.head, &groom.head) {
+            (Some(a), Some(b)) => Arc::ptr_eq(&a.mesh, &b.mesh),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        }
+    }
+
+    /// The layer that was bound alike, best with the same clumps.
+    fn known(&self, layer: &Layer) -> Option<&BoundLayer> {
+        let mut alike = self.layers.iter().filter(|known| binds_alike(&known.layer, layer));
+        let first = alike.clone().next();
+        alike.find(|known| known.has_clumps_of(layer)).or(first)
+    }
+}
+
+impl BoundLayer {
+    fn has_clumps_of(&self, layer: &Layer) -> bool {
+        Clumps::sizes_of(&layer.style) == self.binding.clumps.sizes
+    }
+}
+
+fn field_of(head: Option<&Head>, warnings: &mut Vec<String>) -> Option<Arc<DistanceField>> {
+    let head = head?;
+    match DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION) {
+        Ok(field) => Some(Arc::new(field)),
+        Err(error) => {
+            warnings.push(format!("Strands are not kept out of {}: {error}", head.name));
+            None
+        }
+    }
+}
+
+fn bind(
+    layer: &Layer,
+    known: Option<&BoundLayer>,
+    head: Option<&Head>,
+    watch: Watch<'_>,
+    warnings: &mut Vec<String>,
+) -> Option<BoundLayer> {
+    if known.is_none_or(|known| known.layer.style != layer.style) {
+        warnings.extend(layer.warning());
+    }
+    if let Some(known) = known {
+        let mut bound = BoundLayer { layer: layer.clone(), ..known.clone() };
+        if !known.has_clumps_of(layer) {
+            let mut binding = LayerBinding::clone(&known.binding);
+            binding.restyle(&layer.style);
+            bound.binding = Arc::new(binding);
+        }
+        return Some(bound);
+    }
+    if let Source::HairMesh(mesh) = &layer.source
+        && let Err(error) = mesh.check()
+    {
+        warnings.push(format!("{} has no hair: {error}", layer.name));
+    }
+    let binding = Arc::new(bind_layer_watched(layer, head, watch)?);
+    Some(BoundLayer { layer: layer.clone(), binding, places: N_PLACES.fetch_add(1, Ordering::Relaxed) })
+}
+
+/// Do two layers have the same guides, roots and weights?
+fn binds_alike(a: &Layer, b: &Layer) -> bool {
+    let same_source = match (&a.source, &b.source) {
+        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
+        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
+        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
+    };
+    let same_density = match (&a.density, &b.density) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (None, None) => true,
+        (Some(_), None) | (None, Some(_)) => false,
+    };
+    same_source && same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
+}
