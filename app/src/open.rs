@@ -32,7 +32,11 @@ pub enum OpenError {
 
 impl OpenError {
     pub fn is_cancelled(&self) -> bool {
-        matches!(self, Self::Read(why) if why.is_cancelled())
+        match self {
+            Self::Document(why) => why.is_cancelled(),
+            Self::Read(why) => why.is_cancelled(),
+            Self::IsMesh(_) => false,
+        }
     }
 }
 
@@ -51,7 +55,7 @@ pub fn open(path: &Path, head: Option<&Path>, options: ImportOptions, watch: Wat
             let is_document = named.is_none();
             let (mut groom, mut notes) = match named {
                 Some(groom) => (groom, Vec::new()),
-                None => document(path)?,
+                None => document(path, watch)?,
             };
             if let Some(head) = head {
                 notes.extend(put_on(&mut groom, head, watch)?);
@@ -67,8 +71,8 @@ pub fn open(path: &Path, head: Option<&Path>, options: ImportOptions, watch: Wat
 }
 
 /// Read a document; a head that it only names is put in.
-pub fn document(path: &Path) -> Result<(Groom, Vec<String>), DocumentError> {
-    let mut groom = lorelei_core::document::open(path)?;
+pub fn document(path: &Path, watch: Watch<'_>) -> Result<(Groom, Vec<String>), DocumentError> {
+    let mut groom = lorelei_core::document::open_watched(path, watch)?;
     let notes = lorelei_assets::complete(&mut groom).into_iter().collect();
     Ok((groom, notes))
 }

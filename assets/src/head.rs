@@ -33,7 +33,6 @@ pub fn mannequin() -> Head {
 pub fn complete(groom: &mut Groom) -> Option<String> {
     let has_hair_mesh = groom.layers.iter().any(|layer| matches!(layer.source, Source::HairMesh(_)));
     match groom.head.as_ref().map(|head| head.embedded.as_deref()) {
-        Some(None) => None,
         Some(Some(MANNEQUIN)) => {
             groom.head = Some(mannequin());
             None
@@ -47,7 +46,7 @@ pub fn complete(groom: &mut Groom) -> Option<String> {
             groom.head = Some(mannequin());
             Some("The file has no head: shown on the mannequin".to_owned())
         }
-        None => None,
+        Some(None) | None => None,
     }
 }
 

@@ -36,6 +36,9 @@ struct Arguments {
     /// Keep settings and recovery files here.
     #[arg(long, value_name = "FOLDER", hide = true)]
     data_folder: Option<PathBuf>,
+    /// Draw on the window's device even where its driver is software: for tests.
+    #[arg(long, hide = true)]
+    share_gpu: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -85,6 +88,7 @@ pub fn run() -> ExitCode {
     env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn,wgpu_core=error,wgpu_hal=off"))
         .format_timestamp(None)
         .init();
+    let started = std::time::Instant::now();
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
@@ -96,6 +100,8 @@ pub fn run() -> ExitCode {
             head: arguments.head,
             report_state: arguments.report_state,
             data_folder: arguments.data_folder,
+            share_gpu: arguments.share_gpu,
+            started,
         })
         .map_err(CliError::failed),
     };

@@ -14,6 +14,7 @@ use serde_json::json;
 use super::read_as::ReadAs;
 use super::{CliError, print_line, set, setup};
 use crate::open;
+use crate::stage::pacer::Detail;
 use crate::stage::{Playback, Stage, bounds_of};
 
 const AFTER_HELP: &str = r#"A set-up file (--setup), either part may be left out:
@@ -165,12 +166,13 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         const FRAME_SECS: f32 = 1.0 / 60.0;
         let n_frames = (seconds / FRAME_SECS).round() as u32;
         for _ in 0..n_frames {
-            stage.frame(&playback, FRAME_SECS, &camera, [16, 16], 0.0).map_err(CliError::failed)?;
+            let detail = Detail { lod: 0.0, ..Detail::FULL };
+            stage.frame(&playback, FRAME_SECS, &camera, [16, 16], detail).map_err(CliError::failed)?;
         }
     }
     let frame = |stage: &mut Stage, camera: &Camera| -> Result<f32, CliError> {
         let start = Instant::now();
-        stage.frame(&still, 0.0, camera, arguments.size, 1.0).map_err(CliError::failed)?;
+        stage.frame(&still, 0.0, camera, arguments.size, Detail::FULL).map_err(CliError::failed)?;
         Ok(ms_since(start))
     };
     let first_frame_ms = frame(&mut stage, &camera)?;

@@ -3,6 +3,9 @@
 //! A frame from top to bottom: time, the head's pose, solver steps, strands, picture. The solver exists
 //! from the first movement to the next reset; without it, guides rest on the head and follow it rigidly.
 
+mod binder;
+mod display;
+pub mod pacer;
 pub mod thread;
 
 use std::sync::Arc;
@@ -11,12 +14,16 @@ use glam::{Affine3A, Vec3};
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
+use lorelei_core::io::Watch;
+use lorelei_core::look::Look;
 use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
 use lorelei_core::simulation::SimulationSettings;
-use lorelei_render::{FrameInput, RenderError, Renderer};
+use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
 
+use display::Display;
+use pacer::Detail;
 use thread::FrameReport;
 
 /// Movement: not in the document, never undone.
@@ -88,13 +95,24 @@ pub struct Stage {
     n_resets: u64,
     /// Times that guides moved.
     n_moves: u64,
-    /// A copy of the last picture that stays while the next is drawn.
-    shown: Option<wgpu::Texture>,
+    look: Look,
+    /// Where a window finds the picture.
+    display: Option<Display>,
     is_lost: bool,
 }
 
 impl Stage {
+    /// A stage whose pictures are read back.
     pub fn new(gpu: Gpu) -> Result<Self, StageError> {
+        Self::with_display(gpu, None)
+    }
+
+    /// A stage whose pictures a window shows.
+    pub fn for_display(gpu: Gpu, display: Display) -> Result<Self, StageError> {
+        Self::with_display(gpu, Some(display))
+    }
+
+    fn with_display(gpu: Gpu, display: Option<Display>) -> Result<Self, StageError> {
         let library = shader_library()?;
         Ok(Self {
             renderer: Renderer::new(&gpu, library.clone())?,
@@ -109,14 +127,29 @@ impl Stage {
             n_steps: 0,
             n_resets: 0,
             n_moves: 0,
-            shown: None,
+            look: Look::default(),
+            display,
             is_lost: false,
         })
     }
 
     /// Take over what changed in the groom. Returns warnings for the user.
     pub fn set_groom(&mut self, groom: &Groom) -> Result<Vec<String>, StageError> {
-        let warnings = self.renderer.set_groom(groom)?;
+        let bound = self.bound().update(groom, Watch::default()).unwrap_or_default();
+        self.set_bound(groom, bound)
+    }
+
+    /// What the strands on the stage are bound to.
+    pub fn bound(&self) -> &Bound {
+        self.renderer.mirror().bound()
+    }
+
+    /// As [`Stage::set_groom`], where the strands were bound already.
+    pub fn set_bound(&mut self, groom: &Groom, bound: Bound) -> Result<Vec<String>, StageError> {
+        let result = self.renderer.set_bound(groom, bound).map_err(StageError::from);
+        self.is_lost |= result.as_ref().is_err_and(StageError::is_lost);
+        let warnings = result?;
+        self.look.clone_from(&groom.look);
         self.n_layers = groom.layers.len();
         self.neck = neck_of(groom);
         if self.settings != groom.simulation {
@@ -152,9 +185,9 @@ impl Stage {
         dt_secs: f32,
         camera: &Camera,
         size: [u32; 2],
-        lod: f32,
+        detail: Detail,
     ) -> Result<(), StageError> {
-        let result = self.record(playback, dt_secs, camera, size, lod);
+        let result = self.record(playback, dt_secs, camera, size, detail);
         self.is_lost |= result.as_ref().is_err_and(StageError::is_lost);
         result
     }
@@ -165,9 +198,11 @@ impl Stage {
         dt_secs: f32,
         camera: &Camera,
         size: [u32; 2],
-        lod: f32,
+        detail: Detail,
     ) -> Result<(), StageError> {
         self.library.poll()?;
+        let size = detail.size(size);
+        self.renderer.set_look(&detail.look(&self.look));
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
         if self.n_resets != playback.n_resets {
@@ -200,13 +235,24 @@ impl Stage {
             .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
             .collect();
         let world_from_head = self.world_from_head;
-        let input =
-            FrameInput { camera, size, world_from_head, guides: &guides, guides_stamp: self.n_moves, lod_scale: lod };
+        let input = FrameInput {
+            camera,
+            size,
+            world_from_head,
+            guides: &guides,
+            guides_stamp: self.n_moves,
+            lod_scale: detail.lod,
+        };
         self.renderer.render(&mut encoder, &input)?;
-        copy_to_shown(&self.gpu, &mut self.shown, self.renderer.output(), &mut encoder);
+        if let Some(display) = &mut self.display {
+            display.record(&self.gpu, self.renderer.output(), &mut encoder);
+        }
         self.gpu.queue.submit([encoder.finish()]);
         self.renderer.collect_times();
-        self.gpu.wait()?;
+        match &mut self.display {
+            Some(display) => display.finish(&self.gpu, self.renderer.output())?,
+            None => self.gpu.wait()?,
+        }
         self.renderer.collect_times();
         let (listed, room) = self.renderer.n_tile_entries()?;
         if listed > room {
@@ -268,6 +314,16 @@ impl Stage {
         self.is_lost
     }
 
+    /// Lose the GPU as a driver that was reset would, for tests.
+    pub fn lose_gpu(&mut self) {
+        self.gpu.device.destroy();
+        self.is_lost = true;
+    }
+
+    pub fn adapter_name(&self) -> String {
+        self.gpu.adapter_info.name.clone()
+    }
+
     /// The picture of the last frame: straight alpha, encoded for an sRGB display.
     pub fn read_pixels(&self) -> Result<image::RgbaImage, StageError> {
         let pixels = self.renderer.read_pixels()?;
@@ -292,31 +348,7 @@ impl Stage {
         report.n_bytes = statistics.n_bytes;
         report.pass_times = self.pass_times();
         report.sim_secs = self.time_secs;
-        report.texture.clone_from(&self.shown);
-    }
-}
-
-/// Copy the picture to a texture that the window can keep showing.
-fn copy_to_shown(
-    gpu: &Gpu,
-    shown: &mut Option<wgpu::Texture>,
-    output: &wgpu::Texture,
-    encoder: &mut wgpu::CommandEncoder,
-) {
-    if shown.as_ref().is_none_or(|shown| shown.size() != output.size()) {
-        *shown = Some(gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("stage.shown"),
-            size: output.size(),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: output.format(),
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-            view_formats: &[],
-        }));
-    }
-    if let Some(shown) = shown {
-        encoder.copy_texture_to_texture(output.as_image_copy(), shown.as_image_copy(), output.size());
+        report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
 }
 

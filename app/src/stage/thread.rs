@@ -2,24 +2,29 @@
 //! stop the window.
 //!
 //! The window posts what should be seen ([`FrameRequest`], the newest wins) and picks up what is seen
-//! ([`FrameReport`]). While something moves and frames are slow, fewer and wider strands are drawn; once all
-//! is still, one frame with all of them.
+//! ([`FrameReport`]). A groom whose strands must be bound first is bound on a further thread
+//! ([`super::binder`]); until then the groom before it is drawn. While something moves and frames are slow,
+//! frames have less detail ([`super::pacer`]); once all is still, one frame with all of it.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
+use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
 
-use super::{Playback, Stage};
+use super::binder::{Binder, Binding, State};
+use super::display::Display;
+use super::pacer::Pacer;
+use super::{Playback, Stage, StageError};
 
 /// What should be seen.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct FrameRequest {
     pub groom: Groom,
     /// Names the groom's content: the same state, the same groom.
-    pub state: (u64, u64),
+    pub state: State,
     pub camera: Camera,
     /// Pixels.
     pub size: [u32; 2],
@@ -30,6 +35,50 @@ pub struct FrameRequest {
     pub moving_budget_ms: f32,
     /// Counts requests to keep the next full frame's pixels.
     pub n_pictures: u64,
+    /// Counts requests to lose the GPU, for tests.
+    pub n_losses: u64,
+}
+
+impl PartialEq for FrameRequest {
+    /// Grooms are compared by their state: comparing a million imported strands would take a frame's time.
+    fn eq(&self, other: &Self) -> bool {
+        // Every field is named, so that a new one is not forgotten.
+        let Self { groom: _, state, camera, size, playback, is_interacting, moving_budget_ms, n_pictures, n_losses } =
+            self;
+        (state, camera, size, playback) == (&other.state, &other.camera, &other.size, &other.playback)
+            && *is_interacting == other.is_interacting
+            && *moving_budget_ms == other.moving_budget_ms
+            && (*n_pictures, *n_losses) == (other.n_pictures, other.n_losses)
+    }
+}
+
+/// What takes long right now.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Busy {
+    pub what: &'static str,
+    /// Share that is done, where it is known.
+    pub share: Option<f32>,
+    pub can_cancel: bool,
+}
+
+impl Busy {
+    fn with(what: &'static str) -> Self {
+        Self { what, share: None, can_cancel: false }
+    }
+}
+
+/// How long the parts of the first picture took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StartTimes {
+    /// Linking and compiling, beside the other parts.
+    pub shaders: Duration,
+    pub bind: Duration,
+    /// What the driver still compiles when a shader is first used is in here.
+    pub first_frame: Duration,
+    /// From the start of the program to the first picture.
+    pub picture: Duration,
+    /// Of that, what was spent waiting for nothing but shaders.
+    pub waited_for_shaders: Duration,
 }
 
 /// What is seen, and what it cost.
@@ -38,11 +87,13 @@ pub struct FrameReport {
     /// Frames drawn since the start.
     pub frame_idx: u64,
     /// The groom's state that was drawn.
-    pub state: (u64, u64),
+    pub state: State,
     pub camera: Option<Camera>,
     pub size: [u32; 2],
     /// Share of the strands that was drawn.
     pub lod: f32,
+    /// Each side of the picture was this many times smaller than asked for.
+    pub coarseness: u32,
     pub texture: Option<wgpu::Texture>,
     /// GPU milliseconds by pass, of the newest frame that was timed.
     pub pass_times: Vec<(String, f32)>,
@@ -54,15 +105,22 @@ pub struct FrameReport {
     pub sim_secs: f32,
     pub adapter: String,
     /// What takes long right now, for the status bar.
-    pub busy: Option<&'static str>,
+    pub busy: Option<Busy>,
+    /// A frame of full detail is being drawn, for longer than a moment.
+    pub is_refining: bool,
     /// Nothing is left to do until another request.
     pub is_still: bool,
+    /// This state was not prepared, because a person cancelled it; handed out once.
+    pub cancelled: Option<State>,
+    pub start: StartTimes,
     /// What a person should know about the groom that was prepared since the last pick-up.
     pub warnings: Vec<String>,
     /// What went wrong since the last pick-up.
     pub errors: Vec<String>,
-    /// The GPU is gone; nothing more will be drawn.
+    /// The window's own GPU is gone; nothing more will be drawn.
     pub is_lost: bool,
+    /// The stage's GPU was lost and another one taken, this many times.
+    pub n_replaced: u32,
     /// Pixels that were asked for: number of the request, size, straight RGBA.
     pub picture: Option<(u64, image::RgbaImage)>,
 }
@@ -73,6 +131,8 @@ struct Mailbox {
     /// Raised with every posted request that differs from the one before.
     n_requests: u64,
     report: FrameReport,
+    bound: Option<Binding>,
+    should_cancel: bool,
     should_end: bool,
 }
 
@@ -99,13 +159,24 @@ pub struct StageThread {
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
+/// What the stage draws on, and how to get another when it is lost.
+pub struct StageGpu {
+    /// The window's device.
+    pub window: Gpu,
+    /// Draw on another device than the window does: where the window's driver is software.
+    pub has_own: bool,
+    /// When the program started, for [`StartTimes`].
+    pub started: Instant,
+}
+
 impl StageThread {
     /// Start on a device; `wake_window` is called whenever there is something new to pick up.
-    pub fn start(gpu: Gpu, wake_window: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+    pub fn start(gpu: StageGpu, wake_window: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let shared =
             Arc::new(Shared { mailbox: Mutex::default(), posted: Condvar::new(), wake_window: Box::new(wake_window) });
         let theirs = Arc::clone(&shared);
-        let thread = std::thread::Builder::new().name("stage".to_owned()).spawn(move || run(&theirs, gpu))?;
+        let thread =
+            std::thread::Builder::new().name("stage".to_owned()).spawn(move || Worker::new(theirs, gpu).run())?;
         Ok(Self { shared, thread: Some(thread) })
     }
 
@@ -119,13 +190,23 @@ impl StageThread {
         }
     }
 
+    /// Give up what is being prepared.
+    pub fn cancel(&self) {
+        self.shared.lock().should_cancel = true;
+        self.shared.posted.notify_one();
+    }
+
     /// The newest report; its messages and its picture are handed out once.
     pub fn pick_up(&self) -> FrameReport {
+        let has_ended = self.thread.as_ref().is_some_and(std::thread::JoinHandle::is_finished);
         let mut mailbox = self.shared.lock();
-        let report = mailbox.report.clone();
+        let mut report = mailbox.report.clone();
+        // It ends by itself only where it panicked, or has said already that the GPU is lost.
+        report.is_lost |= has_ended;
         mailbox.report.errors.clear();
         mailbox.report.warnings.clear();
         mailbox.report.picture = None;
+        mailbox.report.cancelled = None;
         report
     }
 }
@@ -142,202 +223,368 @@ impl Drop for StageThread {
     }
 }
 
-/// After the last movement, before a full frame that would take long.
-const REST_BEFORE_FULL: Duration = Duration::from_millis(250);
-/// Full frames quicker than this need no rest first.
-const QUICK_MS: f32 = 100.0;
 /// Longest time that one frame moves the hair on: after a stall it goes on from where it was.
 const LONGEST_FRAME_SECS: f32 = 0.1;
-/// Fewer strands no longer look like the groom, and most of a slow frame's time is then in other passes.
-const FEWEST_STRANDS: f32 = 2000.0;
+/// A full frame is announced once the last one took longer than this.
+const ANNOUNCED_MS: f32 = 500.0;
 
-fn run(shared: &Shared, gpu: Gpu) {
-    let adapter = gpu.adapter_info.name.clone();
-    shared.publish(|report| {
-        report.adapter = adapter;
-        report.busy = Some("Compiling shaders");
-    });
-    let mut stage = match Stage::new(gpu) {
-        Ok(stage) => stage,
-        Err(why) => {
-            shared.publish(|report| {
-                report.busy = None;
-                report.is_still = true;
-                report.errors.push(why.to_string());
-            });
+/// What wakes the thread.
+enum Event {
+    /// Draw; whether something else is asked for than was drawn last.
+    Draw(FrameRequest, bool),
+    Bound(Binding),
+    Cancel,
+    End,
+}
+
+/// A stage that is there, or that another thread is making.
+enum Making {
+    Ready(Box<Stage>),
+    Compiling(std::thread::JoinHandle<(Result<Stage, StageError>, Duration)>),
+    Failed,
+}
+
+struct Worker {
+    shared: Arc<Shared>,
+    gpu: StageGpu,
+    stage: Making,
+    pacer: Pacer,
+    binder: Option<Binder>,
+    /// The groom on the stage; `None` before the first.
+    on_stage: Option<State>,
+    /// Cancelled, or too large: not tried again.
+    refused: Option<State>,
+    seen: u64,
+    drawn: Option<FrameRequest>,
+    n_losses: u64,
+    start: StartTimes,
+}
+
+impl Worker {
+    fn new(shared: Arc<Shared>, gpu: StageGpu) -> Self {
+        let is_software = gpu.window.adapter_info.device_type == wgpu::DeviceType::Cpu;
+        let mut worker = Self {
+            shared,
+            gpu,
+            stage: Making::Failed,
+            pacer: Pacer::new(is_software),
+            binder: None,
+            on_stage: None,
+            refused: None,
+            seen: 0,
+            drawn: None,
+            n_losses: 0,
+            start: StartTimes::default(),
+        };
+        worker.start_compiling();
+        worker
+    }
+
+    fn start_compiling(&mut self) {
+        let display = Display::new(self.gpu.window.clone(), self.gpu.has_own);
+        let own = (!self.gpu.has_own).then(|| self.gpu.window.clone());
+        let made = std::thread::Builder::new().name("shaders".to_owned()).spawn(move || {
+            let start = Instant::now();
+            let gpu = own.map_or_else(Gpu::headless, Ok).map_err(StageError::from);
+            let stage = gpu.and_then(|gpu| Stage::for_display(gpu, display));
+            (stage, start.elapsed())
+        });
+        self.stage = match made {
+            Ok(thread) => Making::Compiling(thread),
+            Err(why) => {
+                self.shared.publish(|report| report.errors.push(why.to_string()));
+                Making::Failed
+            }
+        };
+        let adapter = self.gpu.window.adapter_info.name.clone();
+        self.shared.publish(|report| {
+            report.adapter = adapter;
+            report.busy = Some(Busy::with("Compiling shaders"));
+        });
+    }
+
+    /// The stage, once its shaders are compiled; `None` where that failed.
+    fn stage(&mut self) -> Option<&mut Stage> {
+        if matches!(self.stage, Making::Compiling(_)) {
+            let start = Instant::now();
+            let Making::Compiling(thread) = std::mem::replace(&mut self.stage, Making::Failed) else { return None };
+            let made = thread.join();
+            self.start.waited_for_shaders = start.elapsed();
+            match made {
+                Ok((Ok(stage), shaders)) => {
+                    self.start.shaders = shaders;
+                    let adapter = stage.adapter_name();
+                    self.shared.publish(|report| report.adapter = adapter);
+                    self.stage = Making::Ready(Box::new(stage));
+                }
+                Ok((Err(why), _)) => self.fail(&why.to_string()),
+                Err(_) => self.fail("compiling the shaders ended without an answer: a bug"),
+            }
+        }
+        match &mut self.stage {
+            Making::Ready(stage) => Some(stage),
+            Making::Compiling(_) | Making::Failed => None,
+        }
+    }
+
+    fn fail(&self, why: &str) {
+        self.shared.publish(|report| {
+            report.busy = None;
+            report.is_still = true;
+            report.errors.push(why.to_owned());
+        });
+    }
+
+    fn run(mut self) {
+        loop {
+            match self.next_event() {
+                Event::End => {
+                    if let Some(binder) = self.binder.take() {
+                        binder.cancel();
+                    }
+                    return;
+                }
+                Event::Cancel => self.cancel(),
+                Event::Bound(binding) => self.take_over(binding),
+                Event::Draw(request, is_new) => {
+                    self.prepare(&request);
+                    if self.on_stage.is_some() && !self.draw(request, is_new) {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Wait until there is something to do.
+    fn next_event(&mut self) -> Event {
+        let shared = Arc::clone(&self.shared);
+        let mut mailbox = shared.lock();
+        loop {
+            if mailbox.should_end {
+                return Event::End;
+            }
+            if let Some(binding) = mailbox.bound.take() {
+                return Event::Bound(binding);
+            }
+            if std::mem::take(&mut mailbox.should_cancel) && self.binder.is_some() {
+                return Event::Cancel;
+            }
+            if let Some(binder) = &self.binder {
+                let share = binder.share();
+                mailbox.report.busy = Some(Busy { what: "Preparing strands", share: Some(share), can_cancel: true });
+            }
+            if let Some(request) = &mailbox.request {
+                let is_new = mailbox.n_requests != self.seen;
+                if is_new || (request.playback.is_playing && self.on_stage.is_some()) {
+                    self.seen = mailbox.n_requests;
+                    return Event::Draw(request.clone(), is_new);
+                }
+                if self.pacer.wants_full() && self.drawn.is_some() {
+                    let wait = self.pacer.rest_left(Instant::now());
+                    // The binder needs the processors more than a picture of the groom before it does.
+                    if wait.is_zero() && !request.is_interacting && self.binder.is_none() {
+                        return Event::Draw(request.clone(), false);
+                    }
+                    let wait = wait.max(Duration::from_millis(20));
+                    let waited = self.shared.posted.wait_timeout(mailbox, wait);
+                    mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
+                    continue;
+                }
+            }
+            mailbox = self.shared.posted.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// See to it that the groom that is asked for comes on stage.
+    fn prepare(&mut self, request: &FrameRequest) {
+        let state = Some(request.state);
+        if self.on_stage == state || self.refused == state || self.binder.is_some() {
             return;
         }
-    };
-    shared.publish(|report| report.busy = None);
-    let mut pacer = Pacer::default();
-    let mut seen = 0;
-    let mut drawn: Option<FrameRequest> = None;
-    while let Some((request, n_requests)) = next_request(shared, seen, &pacer, drawn.as_ref()) {
-        let is_new = n_requests != seen;
-        seen = n_requests;
-        if drawn.as_ref().map(|drawn| drawn.state) != Some(request.state) {
-            shared.publish(|report| {
-                report.busy = Some("Preparing strands");
-                report.is_still = false;
-            });
-            let result = stage.set_groom(&request.groom);
-            shared.publish(|report| {
-                report.busy = None;
-                match result {
-                    Ok(warnings) => report.warnings.extend(warnings),
-                    Err(why) => report.errors.push(why.to_string()),
-                }
-            });
+        let known = match &self.stage {
+            Making::Ready(stage) => stage.bound().clone(),
+            Making::Compiling(_) | Making::Failed => Bound::default(),
+        };
+        if self.on_stage.is_some() && !known.is_behind(&request.groom) {
+            // Nothing to compute: a look, a light, a width.
+            let bound = known.update(&request.groom, lorelei_core::io::Watch::default()).unwrap_or_default();
+            self.put_on_stage(request.state, &request.groom, bound);
+            return;
         }
-        let lod = pacer.lod_for(&request, drawn.as_ref(), is_new);
+        let (on_progress, on_done) = (Arc::clone(&self.shared), Arc::clone(&self.shared));
+        let start = Instant::now();
+        let binder = Binder::start(
+            request.state,
+            request.groom.clone(),
+            known,
+            move || {
+                on_progress.posted.notify_one();
+                (on_progress.wake_window)();
+            },
+            move |binding| {
+                let mut mailbox = on_done.lock();
+                mailbox.report.start.bind = start.elapsed();
+                mailbox.bound = Some(binding);
+                drop(mailbox);
+                on_done.posted.notify_one();
+            },
+        );
+        match binder {
+            Ok(binder) => {
+                self.binder = Some(binder);
+                self.shared.publish(|report| {
+                    report.busy = Some(Busy { what: "Preparing strands", share: Some(0.0), can_cancel: true });
+                    report.is_still = false;
+                });
+            }
+            Err(why) => self.fail(&why.to_string()),
+        }
+    }
+
+    fn cancel(&mut self) {
+        let Some(binder) = self.binder.take() else { return };
+        let state = binder.state;
+        binder.cancel();
+        self.refused = Some(state);
+        // What waited behind it is looked at again.
+        self.seen = 0;
+        self.shared.publish(|report| {
+            report.busy = None;
+            report.cancelled = Some(state);
+        });
+    }
+
+    /// A groom was bound: it comes on stage, unless it was cancelled meanwhile.
+    fn take_over(&mut self, binding: Binding) {
+        if self.binder.as_ref().is_none_or(|binder| binder.state != binding.state) {
+            return;
+        }
+        self.binder = None;
+        self.seen = 0;
+        if matches!(self.stage, Making::Compiling(_)) {
+            self.shared.publish(|report| report.busy = Some(Busy::with("Compiling shaders")));
+        }
+        self.put_on_stage(binding.state, &binding.groom, binding.bound);
+        self.shared.publish(|report| report.busy = None);
+    }
+
+    fn put_on_stage(&mut self, state: State, groom: &Groom, bound: Bound) {
+        let Some(stage) = self.stage() else {
+            self.refused = Some(state);
+            return;
+        };
+        match stage.set_bound(groom, bound) {
+            Ok(warnings) => {
+                self.on_stage = Some(state);
+                self.refused = None;
+                self.shared.publish(|report| report.warnings.extend(warnings));
+            }
+            Err(why) => {
+                self.refused = Some(state);
+                self.shared.publish(|report| report.errors.push(why.to_string()));
+            }
+        }
+    }
+
+    /// Draw a frame; false where nothing more can be drawn.
+    fn draw(&mut self, request: FrameRequest, is_new: bool) -> bool {
+        let detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new);
         let now = Instant::now();
-        let dt_secs = pacer.tick(now, request.playback.is_playing).min(LONGEST_FRAME_SECS);
-        let result = stage.frame(&request.playback, dt_secs, &request.camera, request.size, lod);
-        let frame_ms = now.elapsed().as_secs_f32() * 1000.0;
-        let coarsest = (FEWEST_STRANDS / request.groom.n_strands().max(1) as f32).min(1.0);
-        pacer.drew(lod, frame_ms, request.moving_budget_ms, coarsest);
-        let is_full = lod >= 1.0;
-        let wants_picture = is_full && drawn.as_ref().is_none_or(|drawn| drawn.n_pictures != request.n_pictures);
-        let picture = (wants_picture && request.n_pictures > 0).then(|| stage.read_pixels());
+        let dt_secs = self.pacer.tick(now, request.playback.is_playing).min(LONGEST_FRAME_SECS);
+        if detail.is_full() && self.pacer.expects_ms() > ANNOUNCED_MS {
+            self.shared.publish(|report| report.is_refining = true);
+        }
+        let is_to_be_lost = std::mem::replace(&mut self.n_losses, request.n_losses) != request.n_losses;
+        let Some(state) = self.on_stage else { return true };
+        let Some(stage) = self.stage() else { return true };
+        if is_to_be_lost {
+            stage.lose_gpu();
+        }
+        let result = stage.frame(&request.playback, dt_secs, &request.camera, request.size, detail);
+        let frame_ms = ms_since(now);
+        let wants_picture =
+            detail.is_full() && request.n_pictures > self.drawn.as_ref().map_or(0, |drawn| drawn.n_pictures);
+        let Some(stage) = self.stage() else { return true };
+        let picture = wants_picture.then(|| stage.read_pixels());
         let is_lost = stage.is_lost();
-        shared.publish(|report| {
+        let mut news = FrameReport::default();
+        stage.describe(&mut news);
+        self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
+        let is_first = self.start.picture.is_zero();
+        if is_first {
+            self.start.first_frame = now.elapsed();
+            self.start.picture = self.gpu.started.elapsed();
+        }
+        let start = self.start;
+        self.shared.publish(|report| {
             report.frame_idx += 1;
-            report.state = request.state;
+            report.state = state;
             report.camera = Some(request.camera);
             report.size = request.size;
-            report.lod = lod;
+            report.lod = detail.lod;
+            report.coarseness = detail.coarseness;
             report.frame_ms = frame_ms;
-            report.is_still = is_full && !request.playback.is_playing;
+            report.is_refining = false;
+            report.is_still = detail.is_full() && !request.playback.is_playing && state == request.state;
             report.is_lost = is_lost;
-            report.errors.extend(result.err().map(|why| why.to_string()));
+            report.start = StartTimes { bind: report.start.bind, ..start };
+            report.errors.extend(result.err().filter(|_| !is_lost).map(|why| why.to_string()));
             match picture {
                 Some(Ok(picture)) => report.picture = Some((request.n_pictures, picture)),
                 Some(Err(why)) => report.errors.push(why.to_string()),
                 None => {}
             }
-            stage.describe(report);
+            report.n_strands = news.n_strands;
+            report.n_vertices = news.n_vertices;
+            report.n_bytes = news.n_bytes;
+            report.pass_times = news.pass_times;
+            report.sim_secs = news.sim_secs;
+            report.texture = news.texture;
         });
+        if is_first {
+            let bind = self.shared.lock().report.start.bind;
+            log::info!(
+                "first picture {:.2?} after the start: strands bound in {bind:.2?}, shaders compiled in {:.2?} (waited {:.2?} for them), first frame {:.2?}",
+                start.picture,
+                start.shaders,
+                start.waited_for_shaders,
+                start.first_frame
+            );
+        }
         if is_lost {
-            return;
+            return self.replace_gpu();
         }
         let mut request = request;
-        if !is_full && let Some(drawn) = &drawn {
+        if !detail.is_full()
+            && let Some(drawn) = &self.drawn
+        {
             // A picture is only kept of a full frame: leave the question open.
             request.n_pictures = drawn.n_pictures;
         }
-        drawn = Some(request);
+        self.drawn = Some(request);
+        true
+    }
+
+    /// The stage's own device is lost: another one takes its place, and nothing else changes. The window's
+    /// device is the window's to replace: false.
+    fn replace_gpu(&mut self) -> bool {
+        if !self.gpu.has_own {
+            return false;
+        }
+        self.start_compiling();
+        self.on_stage = None;
+        self.drawn = None;
+        self.seen = 0;
+        self.shared.publish(|report| {
+            report.is_lost = false;
+            report.is_still = false;
+            report.n_replaced += 1;
+        });
+        true
     }
 }
 
-/// Wait until there is something to draw; `None` when the window is gone.
-fn next_request(
-    shared: &Shared,
-    seen: u64,
-    pacer: &Pacer,
-    drawn: Option<&FrameRequest>,
-) -> Option<(FrameRequest, u64)> {
-    let mut mailbox = shared.lock();
-    loop {
-        if mailbox.should_end {
-            return None;
-        }
-        if let Some(request) = &mailbox.request {
-            let is_playing = request.playback.is_playing;
-            if mailbox.n_requests != seen || is_playing {
-                return Some((request.clone(), mailbox.n_requests));
-            }
-            if pacer.wants_full() && drawn.is_some() {
-                let wait = pacer.rest_left(Instant::now());
-                if wait.is_zero() && !request.is_interacting {
-                    return Some((request.clone(), seen));
-                }
-                let wait = wait.max(Duration::from_millis(20));
-                let waited = shared.posted.wait_timeout(mailbox, wait);
-                mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
-                continue;
-            }
-        }
-        mailbox = shared.posted.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
-    }
-}
-
-/// Decides how many strands a frame can afford.
-struct Pacer {
-    /// Level of detail of the next frame while something moves.
-    moving_lod: f32,
-    last_lod: f32,
-    /// What a frame with every strand took, or is likely to take.
-    full_ms: f32,
-    last_drawn: Option<Instant>,
-    last_tick: Option<Instant>,
-}
-
-impl Default for Pacer {
-    fn default() -> Self {
-        // A first guess that shows something at once on any GPU.
-        Self { moving_lod: 0.1, last_lod: 0.0, full_ms: f32::INFINITY, last_drawn: None, last_tick: None }
-    }
-}
-
-impl Pacer {
-    /// Seconds since the last frame of the same run of movement.
-    fn tick(&mut self, now: Instant, is_playing: bool) -> f32 {
-        let before = self.last_tick.replace(now);
-        if !is_playing {
-            self.last_tick = None;
-        }
-        before.map_or(0.0, |before| (now - before).as_secs_f32())
-    }
-
-    fn lod_for(&self, request: &FrameRequest, drawn: Option<&FrameRequest>, is_new: bool) -> f32 {
-        let is_moving = request.is_interacting
-            || request.playback.is_playing
-            || drawn.is_none()
-            || drawn.is_some_and(|drawn| drawn.camera != request.camera || drawn.size != request.size);
-        let is_hurried = is_moving || (is_new && self.full_ms > QUICK_MS);
-        if is_hurried { self.moving_lod } else { 1.0 }
-    }
-
-    fn drew(&mut self, lod: f32, frame_ms: f32, budget_ms: f32, coarsest: f32) {
-        self.last_lod = lod;
-        self.last_drawn = Some(Instant::now());
-        if lod >= 1.0 {
-            self.full_ms = frame_ms;
-        } else {
-            // Part of a frame's time has nothing to do with strands, so the step is damped.
-            self.full_ms = self.full_ms.min(frame_ms / lod);
-        }
-        let wanted = (budget_ms / frame_ms.max(0.1)).clamp(0.5, 1.6) * lod;
-        self.moving_lod = if budget_ms >= self.full_ms { 1.0 } else { wanted.clamp(coarsest, 1.0) };
-    }
-
-    fn wants_full(&self) -> bool {
-        self.last_lod < 1.0
-    }
-
-    fn rest_left(&self, now: Instant) -> Duration {
-        let rest = if self.full_ms > QUICK_MS { REST_BEFORE_FULL } else { Duration::ZERO };
-        self.last_drawn.map_or(Duration::ZERO, |at| rest.saturating_sub(now.saturating_duration_since(at)))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn slow_frames_lose_strands_until_they_fit_and_fast_ones_lose_none() {
-        let mut slow = Pacer::default();
-        let mut lod = 1.0;
-        for _ in 0..20 {
-            // 200 ms for every strand, 10 ms for the rest.
-            slow.drew(lod, 10.0 + 200.0 * lod, 50.0, 0.02);
-            lod = slow.moving_lod;
-        }
-        assert!((10.0 + 200.0 * lod) < 55.0 && lod > 0.15, "{lod}");
-        assert!(slow.wants_full());
-        let mut fast = Pacer::default();
-        fast.drew(0.1, 2.0, 50.0, 0.02);
-        assert_eq!(fast.moving_lod, 1.0);
-    }
+fn ms_since(start: Instant) -> f32 {
+    start.elapsed().as_secs_f32() * 1000.0
 }

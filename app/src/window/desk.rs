@@ -51,15 +51,39 @@ pub struct Desk {
     pub renaming: Option<(Selection, String)>,
 }
 
+impl Default for Desk {
+    /// Nothing is open, and the camera looks at a head's place.
+    fn default() -> Self {
+        Self {
+            document: Document::default(),
+            selection: Selection::Layer(0),
+            camera: Camera::default(),
+            playback: Playback::default(),
+            neck: Vec3::ZERO,
+            bounds: (Vec3::splat(-10.0), Vec3::splat(10.0)),
+            report: FrameReport::default(),
+            times: VecDeque::new(),
+            notices: Notices::default(),
+            settings: Settings::default(),
+            show_handles: true,
+            asked: Vec::new(),
+            renaming: None,
+        }
+    }
+}
+
 impl Desk {
     /// The middle of head and hair: what lights turn about.
     pub fn centre(&self) -> Vec3 {
         0.5 * (self.bounds.0 + self.bounds.1)
     }
 
-    /// Distance of light handles from the middle.
-    pub fn light_radius(&self) -> f32 {
-        (0.62 * (self.bounds.1 - self.bounds.0).length()).max(1.0)
+    /// Distance of light handles from the middle: around head and hair, and within what the camera sees.
+    pub fn light_radius(&self, aspect: f32) -> f32 {
+        let around = 0.62 * (self.bounds.1 - self.bounds.0).length();
+        let half_height = self.camera.eye().distance(self.centre()) * (0.5 * self.camera.fov_y_deg.to_radians()).tan();
+        // Seen from the side, the sphere's outline is a little larger than its radius.
+        around.min(0.86 * half_height * aspect.min(1.0)).max(1.0)
     }
 
     pub fn frame_all(&mut self, aspect: f32) {

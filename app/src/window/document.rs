@@ -1,6 +1,7 @@
 //! The open groom with its history, its file, and whether it was changed since it was saved.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::Groom;
@@ -13,17 +14,24 @@ pub struct Document {
     pub history: History,
     /// `None` until it was saved, or where it came from a file of another program.
     pub path: Option<PathBuf>,
-    /// Counts documents, so that a state number of one is never taken for another's.
+    /// Numbers documents, so that a state number of one is never taken for another's; 0: none was opened yet.
     generation: u64,
     /// A recovered or imported document is worth saving though nothing was edited.
     never_saved: bool,
 }
 
+static N_DOCUMENTS: AtomicU64 = AtomicU64::new(0);
+
 impl Document {
-    /// Replace the document. `path` is the `.lorelei` file that it is in, if it is in one.
-    pub fn replace(&mut self, groom: Groom, path: Option<PathBuf>, is_unsaved: bool) {
-        let generation = self.generation + 1;
-        *self = Self { groom, history: History::default(), path, generation, never_saved: is_unsaved };
+    /// A document of its own. `path` is the `.lorelei` file that it is in, if it is in one.
+    pub fn new(groom: Groom, path: Option<PathBuf>, is_unsaved: bool) -> Self {
+        let generation = 1 + N_DOCUMENTS.fetch_add(1, Ordering::Relaxed);
+        Self { groom, history: History::default(), path, generation, never_saved: is_unsaved }
+    }
+
+    /// Nothing was opened yet.
+    pub fn is_none(&self) -> bool {
+        self.generation == 0
     }
 
     /// Apply an edit that a panel made. A panel shows the groom as it is, so an edit that does not fit is

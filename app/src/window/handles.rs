@@ -22,6 +22,10 @@ impl Projection {
         Self { clip_from_world: camera.clip_from_world(rect.width() / rect.height().max(1.0)), rect }
     }
 
+    fn aspect(&self) -> f32 {
+        self.rect.width() / self.rect.height().max(1.0)
+    }
+
     /// `None` behind the eye.
     pub fn point(&self, world: Vec3) -> Option<egui::Pos2> {
         let clip = self.clip_from_world * world.extend(1.0);
@@ -55,7 +59,7 @@ pub struct HandleDrag {
 
 /// The disc of every light; a drag moves the light over the sphere.
 pub fn lights(ui: &mut Ui, desk: &mut Desk, projection: Projection, drag: &mut HandleDrag) {
-    let (centre, radius) = (desk.centre(), desk.light_radius());
+    let (centre, radius) = (desk.centre(), desk.light_radius(projection.aspect()));
     let eye = desk.camera.eye();
     let selected = desk.selection;
     if let Selection::Light(_) = selected {
@@ -165,7 +169,7 @@ fn disc(
 
 /// The sphere's outline and equator, faint, while a light is selected.
 fn outline(ui: &Ui, desk: &Desk, projection: Projection) {
-    let (centre, radius) = (desk.centre(), desk.light_radius());
+    let (centre, radius) = (desk.centre(), desk.light_radius(projection.aspect()));
     let stroke = Stroke::new(1.0, Color32::from_white_alpha(26));
     let view = desk.camera.view_from_world().inverse();
     let rings = [(Vec3::X, Vec3::Z), (view.x_axis.truncate(), view.y_axis.truncate())];

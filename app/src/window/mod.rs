@@ -20,7 +20,6 @@ mod theme;
 mod top_bar;
 mod viewport;
 
-use std::collections::VecDeque;
 use std::path::Path;
 
 use lorelei_core::camera::Camera;
@@ -31,8 +30,7 @@ use lorelei_shaders::Gpu;
 
 pub use start::{StartOptions, open};
 
-use crate::stage::Playback;
-use crate::stage::thread::{FrameReport, FrameRequest, StageThread};
+use crate::stage::thread::{FrameRequest, StageGpu, StageThread};
 use commands::Command;
 use desk::{Desk, FrameTimes, Selection};
 use document::Document;
@@ -44,7 +42,7 @@ use palette::{Palette, PaletteAnswer};
 use recovery::Recovery;
 use settings::{SETTINGS_KEY, Settings};
 use start::Handover;
-use state_report::StateReport;
+use state_report::{StateReport, UiClock};
 use viewport::Viewport;
 
 /// A question that must be answered before something is lost. Nothing else waits for the answer.
@@ -66,6 +64,10 @@ enum Next {
     AskForFile,
     Open(std::path::PathBuf),
 }
+
+/// With `--report-state`: lose the GPU, to test that it is survived.
+const LOSE_GPU: egui::KeyboardShortcut =
+    egui::KeyboardShortcut::new(egui::Modifiers::COMMAND.plus(egui::Modifiers::SHIFT), egui::Key::F9);
 
 /// The window's state.
 pub struct Studio {
@@ -92,6 +94,11 @@ pub struct Studio {
     title: String,
     last_time_frame: u64,
     is_lost: bool,
+    /// What was open before, until the stage shows what is open now: a cancel goes back to it.
+    before: Option<(Document, Camera)>,
+    n_losses: u64,
+    n_replaced: u32,
+    clock: UiClock,
 }
 
 impl Studio {
@@ -112,6 +119,8 @@ impl Studio {
         let info = render_state.adapter.get_info();
         let gpu = Gpu::from_parts(render_state.device.clone(), render_state.queue.clone(), info);
         let ctx = context.egui_ctx.clone();
+        let is_software = gpu.adapter_info.device_type == wgpu::DeviceType::Cpu;
+        let gpu = StageGpu { window: gpu, has_own: is_software && !options.share_gpu, started: options.started };
         let stage = match StageThread::start(gpu, move || ctx.request_repaint()) {
             Ok(stage) => Some(stage),
             Err(why) => {
@@ -139,21 +148,7 @@ impl Studio {
                 "A new window was opened and your groom is here. Save it. If this happens again, fewer strands or a smaller shadow map may help.",
             );
         }
-        let desk = Desk {
-            document: Document::default(),
-            selection: Selection::Layer(0),
-            camera: Camera::default(),
-            playback: Playback::default(),
-            neck: glam::Vec3::ZERO,
-            bounds: (glam::Vec3::splat(-10.0), glam::Vec3::splat(10.0)),
-            report: FrameReport::default(),
-            times: VecDeque::new(),
-            notices,
-            settings,
-            show_handles: true,
-            asked: Vec::new(),
-            renaming: None,
-        };
+        let desk = Desk { notices, settings, ..Desk::default() };
         let mut studio = Self {
             desk,
             viewport: Viewport::default(),
@@ -176,6 +171,10 @@ impl Studio {
             title: String::new(),
             last_time_frame: 0,
             is_lost: false,
+            before: None,
+            n_losses: 0,
+            n_replaced: 0,
+            clock: UiClock::default(),
         };
         match options.file {
             Some(path) => studio.start_opening(&context.egui_ctx, &path, options.head),
@@ -214,7 +213,12 @@ impl Studio {
 
     /// Show another document.
     fn show_document(&mut self, groom: Groom, path: Option<std::path::PathBuf>, is_unsaved: bool) {
-        self.desk.document.replace(groom, path, is_unsaved);
+        let document = Document::new(groom, path, is_unsaved);
+        let before = std::mem::replace(&mut self.desk.document, document);
+        // Two openings in a row: the first never was on screen.
+        if !before.is_none() && self.before.is_none() {
+            self.before = Some((before, self.desk.camera));
+        }
         self.desk.measure();
         self.desk.clamp_selection();
         self.desk.selection =
@@ -226,6 +230,29 @@ impl Studio {
         if let Some(recovery) = &mut self.recovery {
             recovery.forget_own();
         }
+    }
+
+    /// A person gave up preparing `state`: back to what is on screen.
+    fn take_back(&mut self, state: (u64, u64)) {
+        if self.desk.document.state() != state {
+            return;
+        }
+        match self.before.take() {
+            Some((before, camera)) => {
+                self.desk.document = before;
+                self.desk.camera = camera;
+            }
+            None if self.desk.report.frame_idx == 0 => {
+                self.desk.document = Document::default();
+                let what_next = "File > New, Open or Open recent go on from here.";
+                self.desk.notices.push(Severity::Info, "Nothing was opened", what_next);
+            }
+            None => {
+                self.desk.document.undo();
+            }
+        }
+        self.desk.measure();
+        self.desk.clamp_selection();
     }
 
     /// Take over what jobs have done.
@@ -263,6 +290,15 @@ impl Studio {
                         self.go_on(ctx, next);
                     }
                 }
+                Done::PictureSaved { path } => {
+                    self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
+                }
+                Done::Recovered { groom } => {
+                    self.show_document(*groom, None, true);
+                    if let Some(recovery) = &mut self.recovery {
+                        recovery.forget_left();
+                    }
+                }
                 Done::Exported { path, notes } => {
                     let name = path.display().to_string();
                     self.desk.notices.push(Severity::Info, "Exported", name);
@@ -298,7 +334,7 @@ impl Studio {
     }
 
     /// Show what the stage has drawn since the last frame.
-    fn pick_up(&mut self) {
+    fn pick_up(&mut self, ctx: &egui::Context) {
         let Some(stage) = &self.stage else { return };
         let mut report = stage.pick_up();
         for warning in std::mem::take(&mut report.warnings) {
@@ -310,10 +346,22 @@ impl Studio {
         if let Some((_, picture)) = report.picture.take()
             && let Some(path) = self.picture_path.take()
         {
-            match picture.save(&path) {
-                Ok(()) => self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string()),
-                Err(why) => self.desk.notices.error("The picture was not saved", format!("{}: {why}", path.display())),
-            }
+            self.jobs.start(ctx, "Saving the picture", move |_| jobs::save_picture(&picture, &path));
+        }
+        if report.n_replaced != self.n_replaced {
+            self.n_replaced = report.n_replaced;
+            self.keep_now();
+            self.desk.notices.push(
+                Severity::Warning,
+                "The GPU was lost",
+                "Another one was taken, and your groom is untouched. If this happens again, save it, and use fewer strands or a smaller shadow map.",
+            );
+        }
+        if report.state == self.desk.document.state() {
+            self.before = None;
+        }
+        if let Some(state) = report.cancelled.take() {
+            self.take_back(state);
         }
         if report.texture != self.shown_texture
             && let Some(texture) = &report.texture
@@ -340,7 +388,7 @@ impl Studio {
     /// Tell the stage what should be seen now.
     fn post(&self) {
         let Some(stage) = &self.stage else { return };
-        if self.viewport.size[0] <= 1 || self.is_lost || self.desk.document.state() == (0, 0) {
+        if self.viewport.size[0] <= 1 || self.is_lost || self.desk.document.is_none() {
             return;
         }
         stage.post(&FrameRequest {
@@ -352,6 +400,7 @@ impl Studio {
             is_interacting: self.viewport.is_interacting,
             moving_budget_ms: self.desk.settings.moving_budget_ms,
             n_pictures: self.n_pictures,
+            n_losses: self.n_losses,
         });
     }
 
@@ -394,6 +443,16 @@ impl Studio {
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Err(why) => self.desk.notices.error("The GPU was lost and the groom could not be kept", why),
+        }
+    }
+
+    /// Write the recovery file at once, where there is something to recover.
+    fn keep_now(&mut self) {
+        let state = self.desk.document.state();
+        if self.desk.document.is_unsaved()
+            && let Some(recovery) = &mut self.recovery
+        {
+            recovery.write(&self.desk.document.groom, state);
         }
     }
 
@@ -456,7 +515,7 @@ impl Studio {
             (Question::Unsaved(next), 1) => self.go_on(ctx, next),
             (Question::Recover, 0) => {
                 if let Some(path) = self.recovery.as_ref().and_then(|recovery| recovery.left.first()).cloned() {
-                    self.recover(&path);
+                    self.recover(ctx, &path);
                 }
             }
             (Question::Recover, 1) => {
@@ -468,16 +527,13 @@ impl Studio {
         }
     }
 
-    fn recover(&mut self, path: &Path) {
-        match crate::open::document(path) {
-            Ok((groom, _)) => {
-                self.show_document(groom, None, true);
-                if let Some(recovery) = &mut self.recovery {
-                    recovery.forget_left();
-                }
-            }
-            Err(why) => self.desk.notices.error("The unsaved work could not be read", why),
-        }
+    fn recover(&mut self, ctx: &egui::Context, path: &Path) {
+        let path = path.to_owned();
+        self.jobs.start(ctx, "Recovering", move |watch| match crate::open::document(&path, watch) {
+            Ok((groom, _)) => Done::Recovered { groom: Box::new(groom) },
+            Err(why) if why.is_cancelled() => Done::Cancelled,
+            Err(why) => Done::Failed { title: "The unsaved work could not be read".to_owned(), why: why.to_string() },
+        });
     }
 
     fn dropped_files(&mut self, ctx: &egui::Context) {
@@ -540,11 +596,12 @@ impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         self.finish_jobs(&ctx);
-        self.pick_up();
+        self.clock.tick();
+        self.pick_up(&ctx);
         if self.is_lost {
             self.hand_over(&ctx);
         }
-        let is_typing = ctx.text_edit_focused() || self.desk.renaming.is_some();
+        let is_typing = ctx.text_edit_focused() || self.desk.renaming.is_some() || self.palette.is_some();
         if let Some(command) = commands::pressed(&ctx, is_typing) {
             self.desk.asked.push(command);
         }
@@ -580,10 +637,14 @@ impl eframe::App for Studio {
         self.post();
         self.show_title(&ctx);
         if self.viewport.is_interacting {
+            self.clock.expect_next();
             ctx.request_repaint();
         } else {
             // Autosave looks at the clock.
             ctx.request_repaint_after_secs(10.0);
+        }
+        if self.state_report.is_some() && ctx.input_mut(|input| input.consume_shortcut(&LOSE_GPU)) {
+            self.n_losses += 1;
         }
         if let Some(mut report) = self.state_report.take() {
             match report.write(self, &ctx) {

@@ -61,7 +61,7 @@ impl Notices {
                 ui.set_max_width(400.0);
                 if self.shown.len() > 1 {
                     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                        dismiss_all = ui.button("Dismiss all").clicked();
+                        dismiss_all = ui.button("Dismiss all").on_hover_text("They were read").clicked();
                     });
                 }
                 for (notice_idx, notice) in self.shown.iter().enumerate().rev().take(5) {
@@ -97,7 +97,7 @@ fn card(ui: &mut egui::Ui, notice: &Notice) -> bool {
             ui.horizontal(|ui| {
                 ui.label(RichText::new(&notice.title).strong().color(theme::TEXT_STRONG));
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    is_dismissed = ui.button("Dismiss").clicked();
+                    is_dismissed = ui.button("Dismiss").on_hover_text("It was read").clicked();
                     if ui.button("Copy").on_hover_text("Copy the message").clicked() {
                         ui.ctx().copy_text(format!("{}: {}", notice.title, notice.text));
                     }

@@ -23,20 +23,11 @@ pub enum PaletteAnswer {
 impl Palette {
     pub fn ui(&mut self, ctx: &egui::Context) -> PaletteAnswer {
         let mut answer = PaletteAnswer::StaysOpen;
-        let mut found: Vec<_> =
-            COMMANDS.iter().filter_map(|row| search_rank(&self.query, row).map(|rank| (rank, row))).collect();
-        found.sort_by_key(|(rank, _)| *rank);
         let (up, down, enter, escape) = ctx.input_mut(|input| {
             let mut take = |key| input.consume_key(egui::Modifiers::NONE, key);
             (take(Key::ArrowUp), take(Key::ArrowDown), take(Key::Enter), take(Key::Escape))
         });
-        if down {
-            self.marked += 1;
-        }
-        if up {
-            self.marked = self.marked.saturating_sub(1);
-        }
-        self.marked = self.marked.min(found.len().saturating_sub(1));
+        let mut found = Vec::new();
         let window = egui::Window::new("Commands")
             .title_bar(false)
             .resizable(false)
@@ -56,6 +47,11 @@ impl Palette {
                 if field.changed() {
                     self.marked = 0;
                 }
+                // Searched after the field: what was typed before Enter counts, though both came in one frame.
+                found =
+                    COMMANDS.iter().filter_map(|row| search_rank(&self.query, row).map(|rank| (rank, row))).collect();
+                found.sort_by_key(|(rank, _)| *rank);
+                self.mark(up, down, found.len());
                 ui.add_space(4.0);
                 egui::ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                     for (row_idx, (_, row)) in found.iter().enumerate() {
@@ -80,6 +76,16 @@ impl Palette {
             answer = PaletteAnswer::Closed;
         }
         answer
+    }
+
+    fn mark(&mut self, up: bool, down: bool, n_found: usize) {
+        if down {
+            self.marked += 1;
+        }
+        if up {
+            self.marked = self.marked.saturating_sub(1);
+        }
+        self.marked = self.marked.min(n_found.saturating_sub(1));
     }
 }
 
@@ -160,4 +166,38 @@ fn group_of_shortcuts(ui: &mut egui::Ui, group: &str) {
         });
     }
     ui.add_space(8.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Event, Modifiers, RawInput};
+
+    use super::*;
+
+    #[test]
+    fn what_was_typed_before_enter_counts_though_both_come_in_one_frame() {
+        let ctx = egui::Context::default();
+        let mut palette = Palette::default();
+        let mut frame = |events: Vec<Event>| {
+            let mut answer = PaletteAnswer::StaysOpen;
+            let mut output =
+                ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| answer = palette.ui(&ui.ctx().clone()));
+            // Nobody paints.
+            output.textures_delta.clear();
+            answer
+        };
+        // Opens, and takes the focus.
+        for _ in 0..3 {
+            assert!(matches!(frame(Vec::new()), PaletteAnswer::StaysOpen));
+        }
+        let enter = Event::Key {
+            key: Key::Enter,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        let answer = frame(vec![Event::Text("switch shadows".to_owned()), enter]);
+        assert!(matches!(answer, PaletteAnswer::Run(Command::ToggleShadows)));
+    }
 }

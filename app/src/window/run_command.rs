@@ -112,7 +112,7 @@ impl Studio {
         let groom = self.desk.document.groom.clone();
         let state = self.desk.document.state();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save(&groom, state, &path));
+        self.jobs.start(ctx, format!("Saving {name}"), move |watch| jobs::save(&groom, state, &path, watch));
     }
 
     /// Go on at once where nothing would be lost, else ask first.

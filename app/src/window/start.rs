@@ -3,13 +3,14 @@
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use lorelei_shaders::Gpu;
 
 use super::Studio;
 
 /// What the window is opened with.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct StartOptions {
     pub file: Option<PathBuf>,
     pub head: Option<PathBuf>,
@@ -17,6 +18,10 @@ pub struct StartOptions {
     pub report_state: Option<PathBuf>,
     /// Where settings and recovery files are kept; `None`: where the system keeps such.
     pub data_folder: Option<PathBuf>,
+    /// Draw on the window's device even where its driver is software, for tests.
+    pub share_gpu: bool,
+    /// When the program started.
+    pub started: Instant,
 }
 
 /// Why there is no window.
@@ -45,7 +50,10 @@ pub fn open(options: StartOptions) -> Result<(), WindowError> {
         let kept = handover.lock().unwrap_or_else(PoisonError::into_inner).take();
         match kept {
             None => return Ok(()),
-            Some(path) => options.file = Some(path),
+            Some(path) => {
+                options.file = Some(path);
+                options.started = Instant::now();
+            }
         }
     }
     let kept = options.file.unwrap_or_default();

@@ -3,6 +3,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
+use std::time::Instant;
 
 use serde_json::json;
 
@@ -32,6 +33,41 @@ impl StateReport {
     }
 }
 
+/// How evenly the window's own frames come while it draws one after the other.
+#[derive(Debug, Default)]
+pub struct UiClock {
+    last: Option<Instant>,
+    intervals_ms: std::collections::VecDeque<f32>,
+}
+
+/// Frames that the clock looks back on.
+const N_INTERVALS: usize = 120;
+
+impl UiClock {
+    /// A frame begins. Only an interval that was to be a short one counts.
+    pub fn tick(&mut self) {
+        if let Some(last) = self.last.take() {
+            if self.intervals_ms.len() == N_INTERVALS {
+                self.intervals_ms.pop_front();
+            }
+            self.intervals_ms.push_back(last.elapsed().as_secs_f32() * 1000.0);
+        }
+    }
+
+    /// The next frame is wanted at once.
+    pub fn expect_next(&mut self) {
+        self.last = Some(Instant::now());
+    }
+
+    /// Median and longest interval, milliseconds.
+    pub fn intervals_ms(&self) -> (f32, f32) {
+        let mut sorted: Vec<f32> = self.intervals_ms.iter().copied().collect();
+        sorted.sort_by(f32::total_cmp);
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+        (median, sorted.last().copied().unwrap_or(0.0))
+    }
+}
+
 fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState) -> serde_json::Value {
     let desk = &studio.desk;
     let groom = &desk.document.groom;
@@ -58,7 +94,15 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState) -> s
         "lod": report.lod,
         "strands": report.n_strands,
         "frame_ms": report.frame_ms,
-        "busy": report.busy,
+        "coarseness": report.coarseness,
+        "ui_ms": [studio.clock.intervals_ms().0, studio.clock.intervals_ms().1],
+        "replaced": report.n_replaced,
+        "start_secs": {
+            "picture": report.start.picture.as_secs_f32(), "shaders": report.start.shaders.as_secs_f32(),
+            "waited_for_shaders": report.start.waited_for_shaders.as_secs_f32(),
+            "bind": report.start.bind.as_secs_f32(), "first_frame": report.start.first_frame.as_secs_f32(),
+        },
+        "busy": report.busy.map(|busy| busy.what),
         "jobs": studio.jobs.running.len(),
         "notices": desk.notices.shown.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect::<Vec<_>>(),
         "question": studio.open_question(),

@@ -10,7 +10,17 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
     egui::Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
         ui.horizontal(|ui| {
             let report = &studio.desk.report;
-            if studio.jobs.running.is_empty() {
+            if let Some(busy) = report.busy.filter(|busy| busy.can_cancel) {
+                let cancel = ui.small_button("Cancel").on_hover_text("Back to what is on screen");
+                let bar = egui::ProgressBar::new(busy.share.unwrap_or(0.0));
+                ui.add(bar.desired_width(120.0).desired_height(8.0));
+                ui.label(busy.what);
+                if cancel.clicked()
+                    && let Some(stage) = &studio.stage
+                {
+                    stage.cancel();
+                }
+            } else if studio.jobs.running.is_empty() {
                 let hint = "Middle drag: orbit    Shift: pan    Wheel: zoom    F: frame    Space: play    F3: commands    F1: shortcuts";
                 ui.label(RichText::new(hint).small().color(theme::TEXT_WEAK));
             } else {
@@ -23,9 +33,9 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
                 ui.label(weak(format!("frame {}", milliseconds(report.frame_ms))));
                 ui.separator();
                 ui.label(weak(format!("{} strands", thousands(report.n_strands))));
-                if let Some(busy) = report.busy {
+                if let Some(busy) = report.busy.filter(|busy| !busy.can_cancel) {
                     ui.separator();
-                    ui.label(RichText::new(format!("{busy}\u{2026}")).small().color(theme::ACCENT));
+                    ui.label(RichText::new(format!("{}\u{2026}", busy.what)).small().color(theme::ACCENT));
                     ui.add(egui::Spinner::new().size(12.0));
                 }
             });

@@ -39,7 +39,7 @@ fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
         if matches!(row.command, Command::New) {
             ui.menu_button("New from", |ui| {
                 for key in lorelei_assets::hairstyle_names() {
-                    if ui.button(*key).clicked() {
+                    if ui.button(*key).on_hover_text("An embedded hairstyle as a new groom").clicked() {
                         let ctx = ui.ctx().clone();
                         studio.ask_or_go_on(&ctx, Next::Hairstyle(key));
                         ui.close();

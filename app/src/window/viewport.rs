@@ -97,7 +97,12 @@ impl Viewport {
             lines.push(format!("{what}: click or Enter keeps it, Esc takes it back"));
         }
         if let Some(busy) = report.busy {
-            lines.push(format!("{busy}\u{2026}"));
+            lines.push(match busy.share {
+                Some(share) => format!("{}\u{2026} {:.0} %", busy.what, 100.0 * share),
+                None => format!("{}\u{2026}", busy.what),
+            });
+        } else if report.is_refining {
+            lines.push("Drawing every strand\u{2026}".to_owned());
         } else if report.lod < 0.995 && report.lod > 0.0 {
             lines.push(format!("{:.0} % of the strands while moving", report.lod * 100.0));
         }
@@ -108,7 +113,7 @@ impl Viewport {
             }
         }
         if self.texture.is_none() {
-            let text = report.busy.unwrap_or("No picture yet");
+            let text = report.busy.map_or("No picture yet", |busy| busy.what);
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
         }

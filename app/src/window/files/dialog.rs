@@ -141,7 +141,8 @@ impl FileDialog {
             {
                 self.enter(&ctx, parent);
             }
-            if self.purpose.is_save() && ui.button("New folder").clicked() {
+            if self.purpose.is_save() && ui.button("New folder").on_hover_text("In the folder that is shown").clicked()
+            {
                 self.new_folder = Some("New folder".to_owned());
             }
             let field = egui::TextEdit::singleline(&mut self.path_text)
@@ -189,7 +190,8 @@ impl FileDialog {
     fn places(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         for (name, folder) in places() {
-            if ui.selectable_label(self.folder == folder, name).clicked() {
+            let place = ui.selectable_label(self.folder == folder, name);
+            if place.on_hover_text(folder.display().to_string()).clicked() {
                 self.enter(&ctx, folder);
             }
         }
@@ -292,10 +294,10 @@ impl FileDialog {
             ui.horizontal(|ui| {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 ui.label(RichText::new(format!("{name} exists. Overwrite it?")).color(theme::ACCENT));
-                if ui.button("Overwrite").clicked() {
+                if ui.button("Overwrite").on_hover_text("What the file holds now is lost").clicked() {
                     answer = Some(Choice::Path(path.clone()));
                 }
-                if ui.button("Keep it").clicked() {
+                if ui.button("Keep it").on_hover_text("Choose another name").clicked() {
                     self.overwrite = None;
                 }
             });
@@ -318,7 +320,7 @@ impl FileDialog {
                 let wanted = self.purpose.extensions().iter().map(|e| format!(".{e}")).collect::<Vec<_>>().join(" ");
                 ui.checkbox(&mut self.show_all, "All files").on_hover_text(format!("Off: only {wanted}"));
             }
-            ui.checkbox(&mut self.show_hidden, "Hidden");
+            ui.checkbox(&mut self.show_hidden, "Hidden").on_hover_text("Also what begins with a dot");
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let verb = if self.purpose.is_save() { "Save" } else { "Open" };
                 let can_accept =

@@ -33,6 +33,13 @@ pub enum Done {
         state: (u64, u64),
         path: PathBuf,
     },
+    PictureSaved {
+        path: PathBuf,
+    },
+    /// What a crashed run had left.
+    Recovered {
+        groom: Box<Groom>,
+    },
     Exported {
         path: PathBuf,
         notes: Vec<String>,
@@ -105,7 +112,7 @@ impl Jobs {
     pub fn ui(&self, ui: &mut egui::Ui) {
         for job in &self.running {
             let share = f32::from_bits(job.progress.load(Ordering::Relaxed));
-            if ui.small_button("Cancel").clicked() {
+            if ui.small_button("Cancel").on_hover_text("Stop; everything stays as it was").clicked() {
                 job.cancel.store(true, Ordering::Relaxed);
             }
             ui.add(egui::ProgressBar::new(share).desired_width(120.0).desired_height(8.0));
@@ -158,9 +165,21 @@ pub fn import_head(path: &Path, watch: Watch<'_>) -> Done {
 }
 
 /// Write the document.
-pub fn save(groom: &Groom, state: (u64, u64), path: &Path) -> Done {
-    match document::save(groom, path) {
+pub fn save(groom: &Groom, state: (u64, u64), path: &Path, watch: Watch<'_>) -> Done {
+    match document::save_watched(groom, path, watch) {
         Ok(()) => Done::Saved { state, path: path.to_owned() },
+        Err(why) if why.is_cancelled() => Done::Cancelled,
+        Err(why) => Done::Failed { title: format!("Could not save {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Write a picture of the viewport.
+pub fn save_picture(picture: &image::RgbaImage, path: &Path) -> Done {
+    let written = io::write_atomically(path, |file| {
+        picture.write_to(file, image::ImageFormat::Png).map_err(std::io::Error::other)
+    });
+    match written {
+        Ok(()) => Done::PictureSaved { path: path.to_owned() },
         Err(why) => Done::Failed { title: format!("Could not save {}", name_of(path)), why: why.to_string() },
     }
 }
@@ -168,9 +187,16 @@ pub fn save(groom: &Groom, state: (u64, u64), path: &Path) -> Done {
 /// Generate all visible strands and write them for another program.
 pub fn export(groom: &Groom, path: &Path, watch: Watch<'_>) -> Done {
     let failed = |why: String| Done::Failed { title: format!("Could not export {}", name_of(path)), why };
-    let strands = io::strands_of(groom, io::What::Strands);
-    match io::write_strands(path, &strands, WriteOptions::default(), watch) {
+    // Making the strands is the first half of the bar, writing them the second.
+    let half = |offset: f32| move |share: f32| watch.progress(offset + 0.5 * share);
+    let (first, second) = (half(0.0), half(0.5));
+    let watch_of = |on_progress| Watch { on_progress: Some(on_progress), cancel: watch.cancel };
+    let Some(strands) = io::strands_of_watched(groom, io::What::Strands, watch_of(&first)) else {
+        return Done::Cancelled;
+    };
+    match io::write_strands(path, &strands, WriteOptions::default(), watch_of(&second)) {
         Ok(notes) => Done::Exported { path: path.to_owned(), notes },
+        Err(_) if watch.cancelled() => Done::Cancelled,
         Err(why) => failed(why.to_string()),
     }
 }

@@ -20,7 +20,8 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         let colour = if n > n_done { theme::TEXT_WEAK } else { theme::TEXT };
         let font = egui::TextStyle::Body.resolve(ui.style());
         ui.painter().text(rect.left_center() + vec2(8.0, 0.0), Align2::LEFT_CENTER, label, font, colour);
-        if response.clicked() {
+        let help = if n > n_done { "Do everything up to here again" } else { "Go back to here" };
+        if response.on_hover_text(help).clicked() {
             go_to = Some(n);
         }
     }

@@ -39,13 +39,15 @@ fn short(ui: &mut Ui, desk: &mut Desk, light_idx: usize) {
     let mut lights = desk.document.groom.lights.clone();
     let light = &mut lights[light_idx];
     let mut change = None;
-    let (_, response) = form_row(ui, "On", "", false, |ui| widgets::switch(ui, &mut light.on));
+    let (_, response) = form_row(ui, "On", ON_HELP, false, |ui| widgets::switch(ui, &mut light.on));
+    let response = response.on_hover_text(ON_HELP);
     change = Change::from_response("Switch light", &response).or(change);
     let (_, response) = form_row(ui, "Intensity", INTENSITY_HELP, false, |ui| {
         widgets::number(ui, &mut light.intensity, (0.0, 20.0), "")
     });
+    let response = widgets::explained(response, INTENSITY_HELP, NUMBER);
     change = Change::from_response("Light intensity", &response).or(change);
-    if ui.small_button("More\u{2026}").clicked() {
+    if ui.small_button("More\u{2026}").on_hover_text("Colour, kind, place and size of this light").clicked() {
         desk.selection = Selection::Light(light_idx);
     }
     if let Some(change) = change {
@@ -53,7 +55,10 @@ fn short(ui: &mut Ui, desk: &mut Desk, light_idx: usize) {
     }
 }
 
+const ON_HELP: &str = "Whether it lights anything";
 const INTENSITY_HELP: &str = "1 makes a white card that faces the light white";
+/// How a number is changed.
+const NUMBER: &str = "Drag, with Shift slowly, or click and type";
 
 /// Every number of one light.
 pub fn one(ui: &mut Ui, desk: &mut Desk, light_idx: usize) {
@@ -63,11 +68,12 @@ pub fn one(ui: &mut Ui, desk: &mut Desk, light_idx: usize) {
     let mut change: Option<Change> = None;
     let mut row = |ui: &mut Ui, name: &str, help: &str, control: &mut dyn FnMut(&mut Ui) -> egui::Response| {
         let (_, response) = form_row(ui, name, help, false, control);
+        let response = response.on_hover_text(if help.is_empty() { name } else { help });
         if let Some(one) = Change::from_response(&format!("Light {}", name.to_lowercase()), &response) {
             change = Some(one);
         }
     };
-    row(ui, "On", "", &mut |ui| widgets::switch(ui, &mut light.on));
+    row(ui, "On", ON_HELP, &mut |ui| widgets::switch(ui, &mut light.on));
     row(ui, "Colour", "Linear RGB", &mut |ui| widgets::colour(ui, &mut light.colour));
     row(ui, "Intensity", INTENSITY_HELP, &mut |ui| widgets::number(ui, &mut light.intensity, (0.0, 20.0), ""));
     if let Some(kind) = kind_combo(ui, light, centre) {
@@ -76,11 +82,14 @@ pub fn one(ui: &mut Ui, desk: &mut Desk, light_idx: usize) {
     }
     let mut row = |ui: &mut Ui, name: &str, help: &str, control: &mut dyn FnMut(&mut Ui) -> egui::Response| {
         let (_, response) = form_row(ui, name, help, false, control);
+        let response = response.on_hover_text(if help.is_empty() { name } else { help });
         if let Some(one) = Change::from_response(&format!("Light {}", name.to_lowercase()), &response) {
             change = Some(one);
         }
     };
-    row(ui, "Casts shadows", "", &mut |ui| widgets::switch(ui, &mut light.casts_shadow));
+    row(ui, "Casts shadows", "Off: a light without shadows costs less", &mut |ui| {
+        widgets::switch(ui, &mut light.casts_shadow)
+    });
     let (mut azimuth_deg, mut elevation_deg) = angles_of(light.direction_to(centre));
     row(ui, "Azimuth", "0 from the front, 90 from the model's left", &mut |ui| {
         widgets::number(ui, &mut azimuth_deg, (-180.0, 180.0), "\u{b0}")
@@ -115,6 +124,8 @@ fn place(ui: &mut Ui, position: &mut glam::Vec3, centre: glam::Vec3, row: &mut R
     *position = centre + distance * (*position - centre).normalize_or(glam::Vec3::Y);
 }
 
+const KIND_HELP: &str = "Parallel as the sun, from a point, or from a square";
+
 fn kind_name(kind: LightKind) -> &'static str {
     match kind {
         LightKind::Directional { .. } => "Parallel",
@@ -137,10 +148,10 @@ fn kind_combo(ui: &mut Ui, light: &Light, centre: glam::Vec3) -> Option<LightKin
         LightKind::Rect { position, target: centre, size: 30.0 },
     ];
     let mut chosen = None;
-    form_row(ui, "Kind", "Parallel as the sun, from a point, or from a square", false, |ui| {
+    form_row(ui, "Kind", KIND_HELP, false, |ui| {
         let width = ui.available_width();
         let name = kind_name(light.kind);
-        egui::ComboBox::from_id_salt("kind").width(width).selected_text(name).show_ui(ui, |ui| {
+        let combo = egui::ComboBox::from_id_salt("kind").width(width).selected_text(name).show_ui(ui, |ui| {
             for kind in kinds {
                 let is_chosen = kind_name(kind) == name;
                 if ui.selectable_label(is_chosen, kind_name(kind)).clicked() && !is_chosen {
@@ -148,6 +159,7 @@ fn kind_combo(ui: &mut Ui, light: &Light, centre: glam::Vec3) -> Option<LightKin
                 }
             }
         });
+        combo.response.on_hover_text(KIND_HELP);
     });
     chosen
 }

@@ -26,7 +26,8 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         let mut slots = look.slots();
         let mut defaults = default.slots();
         for (slot, default) in slots.iter_mut().zip(&mut defaults) {
-            let cost = cost_ms(slot.key, &desk.report.pass_times);
+            // A frame may leave out passes whose results stand; then the last time counts.
+            let cost = desk.times.iter().rev().find_map(|frame| cost_ms(slot.key, &frame.passes));
             change = widgets::slot(ui, slot, default, cost).or(change);
             ui.add_space(3.0);
         }

@@ -9,3 +9,6 @@ pub mod read_as;
 pub mod simulation;
 pub mod statistics;
 pub mod widgets;
+
+#[cfg(test)]
+mod tests;

@@ -232,6 +232,12 @@ impl Row<'_> {
             let painter = painter.with_clip_rect(clip.intersect(ui.clip_rect()));
             painter.text(text_rect.left_center(), Align2::LEFT_CENTER, self.name, font, colour);
         }
+        let response = response.on_hover_text(match self.selection {
+            Selection::Head => "Click to see its properties; right-click for more",
+            Selection::Layer(_) | Selection::Light(_) => {
+                "Click to see its properties; double-click to rename it; right-click for more"
+            }
+        });
         if response.clicked() {
             desk.selection = self.selection;
         }

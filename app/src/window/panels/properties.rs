@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
-use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
+use lorelei_core::groom::{Groom, HairMaterial, Head, Layer, Source};
 use lorelei_core::history::Merge;
 use lorelei_core::look::ParamValue;
 use lorelei_core::style::{StyleKind, StyleOp};
@@ -21,32 +21,45 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
 }
 
 fn head(ui: &mut Ui, desk: &mut Desk) {
-    match &desk.document.groom.head {
-        Some(head) => {
-            ui.heading(&head.name);
-            let mesh = &head.mesh;
-            ui.label(format!("{} triangles", thousands(mesh.triangles.len() as u64)));
-            if let Some((min, max)) = mesh.bounds() {
-                let size = max - min;
-                ui.label(format!("{:.1} \u{d7} {:.1} \u{d7} {:.1} cm", size.x, size.y, size.z));
-            }
-            if mesh.groups.is_empty() {
-                ui.label(RichText::new("No named face groups").color(theme::TEXT_WEAK));
-            }
-            for group in &mesh.groups {
-                let text = format!("{}: {} faces", group.name, thousands(group.triangles.len() as u64));
-                ui.label(RichText::new(text).color(theme::TEXT_WEAK));
-            }
-        }
-        None => {
-            ui.label("Hair without a head: nothing to collide with, nothing to cast shadows on.");
+    if let Some(head) = &desk.document.groom.head {
+        described_head(ui, head);
+    } else {
+        ui.label("Hair without a head: nothing to collide with, nothing to cast shadows on.");
+        if ui.button("Use the mannequin").on_hover_text("The studio's own salon head").clicked() {
+            let edit = Edit::SetHead(Some(lorelei_assets::mannequin()));
+            desk.document.edit("Use the mannequin", edit, Merge::New);
+            desk.measure();
         }
     }
     let read_as = desk.document.groom.head.as_ref().and_then(|head| head.read_as);
     super::read_as::ui(ui, &mut desk.document, read_as);
     ui.add_space(6.0);
+    if desk.document.groom.head.is_some() {
+        let button = ui.button("Remove the head").on_hover_text("Hair alone; undo brings it back");
+        if button.clicked() {
+            desk.document.edit("Remove the head", Edit::SetHead(None), Merge::New);
+            desk.measure();
+        }
+    }
     if ui.button("Import another head\u{2026}").on_hover_text(Command::ImportHead.row().help).clicked() {
         desk.asked.push(Command::ImportHead);
+    }
+}
+
+fn described_head(ui: &mut Ui, head: &Head) {
+    ui.heading(&head.name);
+    let mesh = &head.mesh;
+    ui.label(format!("{} triangles", thousands(mesh.triangles.len() as u64)));
+    if let Some((min, max)) = mesh.bounds() {
+        let size = max - min;
+        ui.label(format!("{:.1} \u{d7} {:.1} \u{d7} {:.1} cm", size.x, size.y, size.z));
+    }
+    if mesh.groups.is_empty() {
+        ui.label(RichText::new("No named face groups").color(theme::TEXT_WEAK));
+    }
+    for group in &mesh.groups {
+        let text = format!("{}: {} faces", group.name, thousands(group.triangles.len() as u64));
+        ui.label(RichText::new(text).color(theme::TEXT_WEAK));
     }
 }
 
@@ -119,7 +132,8 @@ fn presets(ui: &mut Ui, material: &mut HairMaterial) -> Option<Change> {
     let mut change = None;
     ui.horizontal_wrapped(|ui| {
         for (name, eumelanin, pheomelanin) in COLOURS {
-            if ui.small_button(name).clicked() {
+            let help = format!("Eumelanin {eumelanin}, pheomelanin {pheomelanin}");
+            if ui.small_button(name).on_hover_text(help).clicked() {
                 material.pigment = lorelei_core::groom::Pigment::Melanin;
                 (material.eumelanin, material.pheomelanin) = (eumelanin, pheomelanin);
                 change = Some(Change::once(format!("{name} hair")));
@@ -137,9 +151,9 @@ fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
     for (op_idx, op) in style.iter_mut().enumerate() {
         let id = ui.make_persistent_id(("style", op_idx));
         let state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
-        state
+        let (arrow, ..) = state
             .show_header(ui, |ui| {
-                if widgets::switch(ui, &mut op.on).changed() {
+                if widgets::switch(ui, &mut op.on).on_hover_text(op.kind.help()).changed() {
                     let label = format!("{} {}", op.kind.label(), if op.on { "on" } else { "off" });
                     change = Some(Change::once(label));
                 }
@@ -148,10 +162,18 @@ fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
                     if ui.small_button("\u{d7}").on_hover_text("Remove").clicked() {
                         removed = Some(op_idx);
                     }
-                    if ui.add_enabled(op_idx + 1 < n_ops, egui::Button::new("Down").small()).clicked() {
+                    if ui
+                        .add_enabled(op_idx + 1 < n_ops, egui::Button::new("Down").small())
+                        .on_hover_text("Apply it later")
+                        .clicked()
+                    {
                         swapped = Some((op_idx, op_idx + 1));
                     }
-                    if ui.add_enabled(op_idx > 0, egui::Button::new("Up").small()).clicked() {
+                    if ui
+                        .add_enabled(op_idx > 0, egui::Button::new("Up").small())
+                        .on_hover_text("Apply it earlier")
+                        .clicked()
+                    {
                         swapped = Some((op_idx, op_idx - 1));
                     }
                 });
@@ -163,6 +185,7 @@ fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
                     change = widgets::param(ui, param, Some(default)).or(change.take());
                 }
             });
+        arrow.on_hover_text("Show its numbers");
     }
     if let Some((a, b)) = swapped {
         style.swap(a, b);
@@ -179,7 +202,9 @@ fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
                 change = Some(Change::once(format!("Add {}", kind.label().to_lowercase())));
             }
         }
-    });
+    })
+    .response
+    .on_hover_text("Something more that happens to the strands, after what is there");
     change
 }
 

@@ -42,11 +42,13 @@ fn combo<T: Copy + PartialEq>(
     let mut chosen = now;
     form_row(ui, name, help, false, |ui| {
         let width = ui.available_width();
-        egui::ComboBox::from_id_salt(("read as", name)).width(width).selected_text(label(now)).show_ui(ui, |ui| {
+        let combo = egui::ComboBox::from_id_salt(("read as", name)).width(width).selected_text(label(now));
+        let combo = combo.show_ui(ui, |ui| {
             for &one in all {
                 ui.selectable_value(&mut chosen, one, label(one));
             }
         });
+        combo.response.on_hover_text(help);
     });
     (chosen != now).then_some(chosen)
 }

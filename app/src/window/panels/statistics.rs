@@ -26,6 +26,10 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         row("Frame", format!("{}  ({:.1} fps)", milliseconds(report.frame_ms), 1000.0 / report.frame_ms.max(0.01)));
         row("GPU memory", format!("{:.0} MiB", report.n_bytes as f64 / f64::from(1 << 20)));
         row("GPU", report.adapter.clone());
+        if !report.start.picture.is_zero() {
+            let [picture, shaders] = [report.start.picture, report.start.shaders].map(|t| t.as_secs_f32());
+            row("First picture", format!("after {picture:.1} s; shaders {shaders:.1} s"));
+        }
     });
     section(ui, "GPU time by pass");
     let passes: Vec<String> = report.pass_times.iter().map(|(pass, _)| pass.clone()).collect();

@@ -6,7 +6,7 @@
 
 use std::hash::{Hash, Hasher};
 
-use egui::{Align, Align2, Color32, DragValue, Layout, Response, RichText, Sense, Ui, vec2};
+use egui::{Align2, Color32, DragValue, Response, RichText, Sense, Ui, vec2};
 use lorelei_core::look::{Param, ParamValue, Slot};
 
 use crate::window::theme;
@@ -51,6 +51,18 @@ pub fn form_row<R>(
     is_changed: bool,
     control: impl FnOnce(&mut Ui) -> R,
 ) -> (bool, R) {
+    noted_row(ui, name, help, None, is_changed, control)
+}
+
+/// As [`form_row`], with a note at the right of the name: what the control's choice costs.
+fn noted_row<R>(
+    ui: &mut Ui,
+    name: &str,
+    help: &str,
+    note: Option<&str>,
+    is_changed: bool,
+    control: impl FnOnce(&mut Ui) -> R,
+) -> (bool, R) {
     ui.horizontal(|ui| {
         ui.set_min_height(theme::ROW);
         let width = ui.available_width();
@@ -59,21 +71,31 @@ pub fn form_row<R>(
         let colour = if is_changed { theme::TEXT_STRONG } else { theme::TEXT };
         let font = egui::TextStyle::Body.resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(name.to_owned(), font, colour);
-        let is_cut = galley.size().x > name_width - 8.0;
+        let mut name_rect = rect;
+        if let Some(note) = note {
+            let font = egui::TextStyle::Small.resolve(ui.style());
+            let right = rect.right_center() - vec2(4.0, 0.0);
+            let drawn = ui.painter().text(right, Align2::RIGHT_CENTER, note, font, theme::TEXT_WEAK);
+            name_rect.max.x = drawn.left() - 4.0;
+        }
+        let is_cut = galley.size().x > name_rect.width() - 8.0;
         let at = Align2::LEFT_CENTER.anchor_size(rect.left_center() + vec2(8.0, 0.0), galley.size()).min;
-        ui.painter().with_clip_rect(rect.intersect(ui.clip_rect())).galley(at, galley, colour);
+        ui.painter().with_clip_rect(name_rect.intersect(ui.clip_rect())).galley(at, galley, colour);
         if is_changed {
             let mark = egui::Rect::from_center_size(rect.left_center() + vec2(2.0, 0.0), vec2(3.0, 12.0));
             ui.painter().rect_filled(mark, 1.5, theme::ACCENT);
         }
         let is_reset = response.double_clicked();
-        if response.hovered() && (is_cut || !help.is_empty() || is_changed) {
+        if response.hovered() && (is_cut || !help.is_empty() || is_changed || note.is_some()) {
             response.on_hover_ui(|ui| {
                 if is_cut {
                     ui.label(RichText::new(name).strong());
                 }
                 if !help.is_empty() {
                     ui.label(help);
+                }
+                if let Some(note) = note {
+                    ui.label(format!("{note}: GPU time of its passes when they were last drawn"));
                 }
                 if is_changed {
                     ui.label(RichText::new("Double-click the name to reset").color(theme::TEXT_WEAK).small());
@@ -112,7 +134,12 @@ pub fn integer(ui: &mut Ui, value: &mut u32, (min, max): (u32, u32), unit: &str)
 /// The control over the rest of the row, its unit after the number.
 fn field(ui: &mut Ui, control: DragValue<'_>, unit: &str) -> Response {
     // A long unit is told by the name's tooltip instead.
-    let suffix = if unit.is_empty() || unit.len() > LONGEST_UNIT { String::new() } else { format!(" {unit}") };
+    let suffix = match unit {
+        "" => String::new(),
+        "deg" => "\u{b0}".to_owned(),
+        _ if unit.len() > LONGEST_UNIT => String::new(),
+        _ => format!(" {unit}"),
+    };
     let size = vec2(ui.available_width(), theme::ROW);
     ui.add_sized(size, control.suffix(suffix))
 }
@@ -134,16 +161,29 @@ pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Optio
     let is_changed = default.is_some_and(|default| default != param.value.to_text());
     let (label, unit, range) = (param.label, param.unit, (param.min, param.max));
     let help = if unit.len() > LONGEST_UNIT { format!("{}, in {unit}", param.help) } else { param.help.to_owned() };
+    let is_colour = matches!(param.value, ParamValue::Colour(_));
     let (is_reset, response) = form_row(ui, label, &help, is_changed, |ui| match &mut param.value {
         ParamValue::F32(value) => number(ui, value, range, unit),
         ParamValue::U32(value) => integer(ui, value, (range.0 as u32, range.1 as u32), unit),
         ParamValue::Colour(rgb) => colour(ui, rgb),
     });
+    let how = if is_colour { "Click to pick" } else { "Drag, with Shift slowly, or click and type" };
+    let response = explained(response, &help, how);
     if is_reset && let Some(default) = default {
         param.set_from_text(default).ok()?;
         return Some(Change::once(format!("Reset {}", label.to_lowercase())));
     }
     Change::from_response(label, &response)
+}
+
+/// What a control is for, and how it is used.
+pub fn explained(response: Response, help: &str, how: &str) -> Response {
+    response.on_hover_ui(|ui| {
+        if !help.is_empty() {
+            ui.label(help);
+        }
+        ui.label(RichText::new(how).color(theme::TEXT_WEAK).small());
+    })
 }
 
 /// A colour that opens a picker; linear RGB.
@@ -163,36 +203,27 @@ pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, cost_ms: O
     let is_switch = infos.len() == 2 && infos[0].name == "on" && infos[1].name == "off";
     let is_changed = index != default.choice.index();
     let mut chosen = index;
-    let (is_reset, ()) = form_row(ui, slot.label, slot.help, is_changed, |ui| {
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if let Some(ms) = cost_ms {
-                let (rect, response) = ui.allocate_exact_size(vec2(46.0, theme::ROW), Sense::hover());
-                let font = egui::TextStyle::Small.resolve(ui.style());
-                ui.painter().text(rect.right_center(), Align2::RIGHT_CENTER, milliseconds(ms), font, theme::TEXT_WEAK);
-                response.on_hover_text("GPU time of its passes in the last frame");
+    let note = cost_ms.map(milliseconds);
+    let (is_reset, ()) = noted_row(ui, slot.label, slot.help, note.as_deref(), is_changed, |ui| {
+        if is_switch {
+            let mut is_on = index == 0;
+            if switch(ui, &mut is_on).on_hover_text(slot.help).changed() {
+                chosen = usize::from(!is_on);
             }
-            if is_switch {
-                let mut is_on = index == 0;
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    if switch(ui, &mut is_on).changed() {
-                        chosen = usize::from(!is_on);
+        } else {
+            let width = ui.available_width();
+            egui::ComboBox::from_id_salt(slot.key)
+                .width(width)
+                .selected_text(infos[index].label)
+                .truncate()
+                .show_ui(ui, |ui| {
+                    for (i, info) in infos.iter().enumerate() {
+                        ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
                     }
-                });
-            } else {
-                let width = ui.available_width();
-                egui::ComboBox::from_id_salt(slot.key)
-                    .width(width)
-                    .selected_text(infos[index].label)
-                    .truncate()
-                    .show_ui(ui, |ui| {
-                        for (i, info) in infos.iter().enumerate() {
-                            ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
-                        }
-                    })
-                    .response
-                    .on_hover_text(infos[index].help);
-            }
-        });
+                })
+                .response
+                .on_hover_text(infos[index].help);
+        }
     });
     if is_reset {
         chosen = default.choice.index();
