@@ -14,8 +14,9 @@ struct Blend {
     stopped: f32,
 }
 
-// Buckets that are open at once.
+// Buckets that are open at once, and how many of them are filled and closed in a step. Their sums lie in a ring.
 const N_OPEN: u32 = 4u;
+const N_STEP: u32 = 2u;
 // Times that a segment's pixels are visited.
 const N_WALKS: u32 = 1u;
 // Where so much is stopped, what little is still to come is taken to look like what is there.
@@ -33,13 +34,12 @@ struct BlendScale {
     per_colour: f32,
 }
 
-// For each open bucket and pixel: optical depth, and three colours.
+// For each open bucket and pixel: optical depth, how much of that the head hides, and three colours.
 var<workgroup> depths: array<atomic<u32>, N_OPEN * N_PIXELS>;
+var<workgroup> shut: array<atomic<u32>, N_OPEN * N_PIXELS>;
 var<workgroup> reds: array<atomic<u32>, N_OPEN * N_PIXELS>;
 var<workgroup> greens: array<atomic<u32>, N_OPEN * N_PIXELS>;
 var<workgroup> blues: array<atomic<u32>, N_OPEN * N_PIXELS>;
-// Optical depth that the head hides, of all open buckets.
-var<workgroup> shut: array<atomic<u32>, N_PIXELS>;
 
 // A segment comes to a pixel once: no sum of so many segments overflows.
 fn blend_scale(n_segments: u32) -> BlendScale {
@@ -48,19 +48,22 @@ fn blend_scale(n_segments: u32) -> BlendScale {
     return BlendScale(raster.exposure * colour, 1.0 / (raster.exposure * colour));
 }
 
+fn clear(at: u32) {
+    atomicStore(&depths[at], 0u);
+    atomicStore(&shut[at], 0u);
+    atomicStore(&reds[at], 0u);
+    atomicStore(&greens[at], 0u);
+    atomicStore(&blues[at], 0u);
+}
+
 fn blend_clear(pixel: u32) {
     for (var k = 0u; k < N_OPEN; k++) {
-        let at = k * N_PIXELS + pixel;
-        atomicStore(&depths[at], 0u);
-        atomicStore(&reds[at], 0u);
-        atomicStore(&greens[at], 0u);
-        atomicStore(&blues[at], 0u);
+        clear(k * N_PIXELS + pixel);
     }
-    atomicStore(&shut[pixel], 0u);
 }
 
 fn blend_add(walk_idx: u32, scale: BlendScale, bucket: u32, pixel: u32, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
-    let at = bucket * N_PIXELS + pixel;
+    let at = bucket % N_OPEN * N_PIXELS + pixel;
     let optical = min(-log(max(1.0 - coverage, 1e-6)), MOST);
     let brightest = vec3<f32>(BRIGHTEST / raster.exposure);
     let weighted = (optical * open * scale.colour) * min(colour, brightest) + 0.5;
@@ -69,27 +72,22 @@ fn blend_add(walk_idx: u32, scale: BlendScale, bucket: u32, pixel: u32, coverage
     atomicAdd(&greens[at], u32(weighted.y));
     atomicAdd(&blues[at], u32(weighted.z));
     if open < 1.0 {
-        atomicAdd(&shut[pixel], u32(optical * (1.0 - open) * DEPTH_ONE + 0.5));
+        atomicAdd(&shut[at], u32(optical * (1.0 - open) * DEPTH_ONE + 0.5));
     }
 }
 
-fn blend_close(blend: ptr<function, Blend>, scale: BlendScale, pixel: u32) {
-    var sum = 0.0;
-    for (var k = 0u; k < N_OPEN; k++) {
-        sum += f32(atomicLoad(&depths[k * N_PIXELS + pixel]));
-    }
-    if sum == 0.0 {
-        return;
-    }
-    let open = 1.0 - f32(atomicLoad(&shut[pixel])) / sum;
-    for (var k = 0u; k < N_OPEN; k++) {
-        let at = k * N_PIXELS + pixel;
+// Composite the buckets of a step; their places in the ring are free for later ones.
+fn blend_close(blend: ptr<function, Blend>, scale: BlendScale, first_bucket: u32, pixel: u32, closed_depth: f32) {
+    for (var k = 0u; k < N_STEP; k++) {
+        let at = (first_bucket + k) % N_OPEN * N_PIXELS + pixel;
         let optical = f32(atomicLoad(&depths[at])) / DEPTH_ONE;
         if optical > 0.0 {
+            let open = 1.0 - f32(atomicLoad(&shut[at])) / (DEPTH_ONE * optical);
             let shown = (1.0 - (*blend).stopped) * (1.0 - exp(-optical));
             let colour = vec3<f32>(f32(atomicLoad(&reds[at])), f32(atomicLoad(&greens[at])), f32(atomicLoad(&blues[at])));
             (*blend).colour += shown * vec4<f32>(colour * (scale.per_colour / optical), open);
             (*blend).stopped += shown;
+            clear(at);
         }
     }
 }

@@ -5,14 +5,16 @@
 
 struct Blend {
     colour: vec4<f32>,
+    is_done: bool,
 }
 
 struct BlendScale {
     none: f32,
 }
 
-// Buckets that are open at once.
+// Buckets that are open at once, and how many of them are filled and closed in a step.
 const N_OPEN: u32 = 4u;
+const N_STEP: u32 = 2u;
 // Times that a segment's pixels are visited: first for which is the nearest, then for its colour.
 const N_WALKS: u32 = 2u;
 // Less than this share of the pixel is a graze, not a hair.
@@ -42,14 +44,17 @@ fn blend_add(walk_idx: u32, scale: BlendScale, bucket: u32, pixel: u32, coverage
     }
 }
 
-fn blend_close(blend: ptr<function, Blend>, scale: BlendScale, pixel: u32) {
-    if atomicLoad(&nearest[pixel]) > 0u {
+// What is listed later is behind `closed_depth`.
+fn blend_close(blend: ptr<function, Blend>, scale: BlendScale, first_bucket: u32, pixel: u32, closed_depth: f32) {
+    let nearness = bitcast<f32>(atomicLoad(&nearest[pixel]));
+    if nearness > 0.0 {
         (*blend).colour = vec4<f32>(colours[pixel], 1.0);
+        (*blend).is_done = nearness * closed_depth > 1.0;
     }
 }
 
 fn blend_is_done(blend: Blend) -> bool {
-    return blend.colour.w > 0.0;
+    return blend.is_done;
 }
 
 fn blend_colour(blend: Blend) -> vec4<f32> {

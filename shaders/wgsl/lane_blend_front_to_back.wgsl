@@ -6,34 +6,46 @@
 // slot: lane_blend
 #define_import_path lorelei::lane_blend_front_to_back
 
+// A bucket's sums weighted by coverage, and the share that it stops.
+struct Bucket {
+    colour: vec4<f32>,
+    coverage: f32,
+    stopped: f32,
+}
+
 struct Blend {
     // Premultiplied, of the closed buckets.
     colour: vec4<f32>,
-    // The open bucket: sums weighted by coverage, and the share that it stops.
-    bucket_colour: vec4<f32>,
     // Share of the light from behind that the closed buckets stop.
     stopped: f32,
-    bucket_coverage: f32,
-    bucket_stopped: f32,
+    open: Bucket,
+    // What is behind the open one.
+    next: Bucket,
 }
 
 // Where so much is stopped, what little is still to come is taken to look like what is there.
 const OPAQUE: f32 = 0.99;
 
-fn blend_add(before: Blend, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) -> Blend {
+fn added(before: Bucket, alpha: f32, colour: vec4<f32>) -> Bucket {
+    return Bucket(before.colour + alpha * colour, before.coverage + alpha, before.stopped + alpha * (1.0 - before.stopped));
+}
+
+fn blend_add(before: Blend, coverage: f32, open: f32, depth: f32, is_next: bool, colour: vec3<f32>) -> Blend {
     let alpha = saturate(coverage);
+    let seen = open * vec4<f32>(colour, 1.0);
     var blend = before;
-    blend.bucket_colour += (alpha * open) * vec4<f32>(colour, 1.0);
-    blend.bucket_coverage += alpha;
-    blend.bucket_stopped += alpha * (1.0 - blend.bucket_stopped);
+    blend.open = added(before.open, select(alpha, 0.0, is_next), seen);
+    blend.next = added(before.next, select(0.0, alpha, is_next), seen);
     return blend;
 }
 
-fn blend_close(before: Blend) -> Blend {
-    let shown = (1.0 - before.stopped) * before.bucket_stopped;
+// What is listed later is behind `closed_depth`.
+fn blend_close(before: Blend, closed_depth: f32) -> Blend {
+    let shown = (1.0 - before.stopped) * before.open.stopped;
     var blend = Blend();
-    blend.colour = before.colour + (shown / max(before.bucket_coverage, 1e-6)) * before.bucket_colour;
+    blend.colour = before.colour + (shown / max(before.open.coverage, 1e-6)) * before.open.colour;
     blend.stopped = before.stopped + shown;
+    blend.open = before.next;
     return blend;
 }
 

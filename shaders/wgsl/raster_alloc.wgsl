@@ -4,7 +4,7 @@
 // scattered and drawn after the earlier one into the same list. A list of `round_size` + all segments fits any tile.
 // Where tiles lie in the list depends on the order of the atomics, and matters to nobody.
 #import lorelei::raster_frame::{raster, raster_layers, Tile}
-#import lorelei::tile::{N_BUCKETS}
+#import lorelei::raster_buckets::{N_BUCKETS}
 
 struct Arguments {
     // Workgroups of the scatter and of the drawing of each round, 4 numbers each (the fourth is unused).

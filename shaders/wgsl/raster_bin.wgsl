@@ -2,9 +2,11 @@
 // to how many each bucket gets; then, with `SCATTER` defined, to write each segment where its bucket's part of the list
 // has been laid out.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, NO_FRONT, COARSE, ENTRY_BITS}
-#import lorelei::tile::{TILE, N_BUCKETS}
+#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, ENTRY_BITS}
+#import lorelei::raster_buckets::{N_BUCKETS, bucket_of}
+#import lorelei::tile::{TILE}
 
+// Depth in each tile from which strands hide what is behind them.
 @group(0) @binding(auto) var<storage, read> fronts: array<f32>;
 // Bits of the depth behind which a tile is all head.
 @group(0) @binding(auto) var<storage, read> tile_backs: array<u32>;
@@ -24,35 +26,6 @@ struct Round { round: u32 }
 // Length in pixels (0: not drawn), view depth at both ends, half widths in pixels as two half floats.
 @group(0) @binding(auto) var<storage, read_write> spans: array<vec4<f32>>;
 #endif
-
-// Buckets are finest at the front, where the pixel still lets light through, and grow with depth behind it: log2 of
-// 1 + depth / FINEST, from 0 to DEEPEST. The first one is for what is before the front.
-const FINEST: f32 = 0.5;
-const DEEPEST: f32 = 25.0;
-
-fn bucket_of(behind: f32) -> u32 {
-    let share = log2(1.0 + max(behind, 0.0) / FINEST) / log2(1.0 + DEEPEST / FINEST);
-    return select(min(1u + u32(share * f32(N_BUCKETS - 1u)), N_BUCKETS - 1u), 0u, behind < 0.0);
-}
-
-// Front at a place, between the middles of four coarse tiles: what is drawn must not jump where one of them ends.
-fn front_at(place: vec2<f32>) -> f32 {
-    let at = place / COARSE - 0.5;
-    let corner = floor(at);
-    let f = at - corner;
-    var sum = 0.0;
-    var weights = 0.0;
-    for (var k = 0u; k < 4u; k++) {
-        let step = vec2<f32>(f32(k & 1u), f32(k >> 1u));
-        let coarse = vec2<u32>(clamp(corner + step, vec2<f32>(0.0), vec2<f32>(raster.n_coarse) - 1.0));
-        let front = fronts[coarse.y * raster.n_coarse.x + coarse.x];
-        let share = mix(1.0 - f, f, step);
-        let weight = select(share.x * share.y + 1e-4, 0.0, front == NO_FRONT);
-        sum += weight * select(front, 0.0, front == NO_FRONT);
-        weights += weight;
-    }
-    return select(sum / weights, raster.nearest, weights == 0.0);
-}
 
 @compute @workgroup_size(64)
 fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
@@ -75,10 +48,10 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
     let length2 = dot(offset, offset);
     let half_a = root.w * raster.view.pixels_per_tangent / a.z;
     let half_b = tip.w * raster.view.pixels_per_tangent / b.z;
-    let reach = max(half_a, half_b) + 1.0;
+    let margin = max(half_a, half_b) + 1.0;
     let picture = vec2<f32>(raster.view.size);
     let is_seen = min(a.z, b.z) > raster.view.near && length2 > 1e-12
-        && all(max(a.xy, b.xy) > vec2<f32>(-reach)) && all(min(a.xy, b.xy) < picture + reach);
+        && all(max(a.xy, b.xy) > vec2<f32>(-margin)) && all(min(a.xy, b.xy) < picture + margin);
     if !is_seen {
         spans[vertex] = vec4<f32>(0.0);
         return;
@@ -129,8 +102,11 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
             }
 #endif
             let middle = (vec2<f32>(f32(column), f32(row)) + 0.5) * TILE;
-            let t = clamp(dot(middle - line.xy, u) / length, 0.0, 1.0);
-            let bucket = bucket_of(mix(span.y, span.z, t) - front_at(middle));
+            // The part of the segment that lies in the tile.
+            let at = dot(middle - line.xy, u);
+            let reach = 0.5 * TILE * (size.x + size.y);
+            let part = clamp(vec2<f32>(max(at - reach, low_s), min(at + reach, high_s)) / length, vec2<f32>(0.0), vec2<f32>(1.0));
+            let bucket = bucket_of(span.y + (span.z - span.y) * select(part.y, part.x, span.z > span.y) - fronts[tile_idx]);
             let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
 #ifdef SCATTER
             entries[place] = vertex | (bucket << ENTRY_BITS);

@@ -4,15 +4,18 @@
 // Then a thread takes a pixel and composites those buckets. So work grows with touched pixels and not with the area
 // of tiles, and a frame has few barriers.
 #import lorelei::raster_frame::{raster, raster_layers, Tile, ENTRY_BITS}
-#import lorelei::tile::{TILE, N_PIXELS, N_BUCKETS}
+#import lorelei::tile::{TILE, N_PIXELS}
+#import lorelei::raster_buckets::{N_BUCKETS, bucket_of, bucket_end}
 #import lorelei::coverage::{strip_of, strip_coverage}
-#import lorelei::blend::{Blend, BlendScale, N_OPEN, N_WALKS, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::blend::{Blend, BlendScale, N_OPEN, N_STEP, N_WALKS, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
 
 struct Round { round: u32 }
 @group(0) @binding(auto) var<uniform> round: Round;
 @group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
 // After scattering: where each bucket's part of the list ends.
 @group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
+// Depth in each tile from which strands hide what is behind them.
+@group(0) @binding(auto) var<storage, read> fronts: array<f32>;
 @group(0) @binding(auto) var<storage, read> entries: array<u32>;
 @group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
@@ -40,14 +43,13 @@ fn unpacked(vertex: u32) -> vec4<f32> {
 }
 
 // A segment's fragments in the tile, column by column along its longer axis ("columns" are rows where it is steep).
-fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u32, tile_origin: vec2<f32>) {
+fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u32, front: f32, tile_origin: vec2<f32>) {
     let vertex = entry & VERTEX;
     let line = lines[vertex];
     let span = spans[vertex];
     let fibre_a = unpacked(vertex);
     let fibre_step = unpacked(vertex + 1u) - fibre_a;
     let strip = strip_of(line.zw, span.x, unpack2x16float(bitcast<u32>(span.w)));
-    let bucket = (entry >> ENTRY_BITS) - first_bucket;
     let can_be_hidden = max(span.y, span.z) > bitcast<f32>(atomicLoad(&nearest_surface));
     let is_steep = abs(line.w) > abs(line.z);
     // (longer, shorter)
@@ -89,6 +91,7 @@ fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u
                 open = select(1.0, surface.y, depth > surface.x);
             }
             if coverage * open > 0.0 {
+                let bucket = clamp(bucket_of(depth - front), first_bucket, first_bucket + N_OPEN - 1u);
                 blend_add(walk_idx, scale, bucket, at, coverage, open, depth, fibre.xyz);
             }
         }
@@ -131,22 +134,25 @@ fn fine(
     blend_clear(local_idx);
     var blend = Blend();
     var is_open = true;
+    let front = fronts[tile_idx];
+    let scale = blend_scale(tile.n_entries);
     var first = tile.start;
-    for (var bucket = 0u; bucket < N_BUCKETS; bucket += N_OPEN) {
-        let end = bucket_ends[tile_idx * N_BUCKETS + bucket + N_OPEN - 1u];
-        if end == first {
+    var is_idle = true;
+    for (var bucket = 0u; bucket < N_BUCKETS; bucket += N_STEP) {
+        let end = bucket_ends[tile_idx * N_BUCKETS + bucket + N_STEP - 1u];
+        // A step may only close what an earlier one has left open.
+        if end == first && is_idle {
             continue;
         }
-        let scale = blend_scale(end - first);
+        is_idle = end == first;
         for (var walk_idx = 0u; walk_idx < N_WALKS; walk_idx++) {
             workgroupBarrier();
             for (var k = first + local_idx / N_PARTS; k < end; k += N_PIXELS / N_PARTS) {
-                walk(entries[k], local_idx % N_PARTS, walk_idx, scale, bucket, tile_origin);
+                walk(entries[k], local_idx % N_PARTS, walk_idx, scale, bucket, front, tile_origin);
             }
         }
         workgroupBarrier();
-        blend_close(&blend, scale, local_idx);
-        blend_clear(local_idx);
+        blend_close(&blend, scale, bucket, local_idx, front + bucket_end(bucket + N_STEP - 1u));
         if is_open && (blend_is_done(blend) || !is_inside) {
             is_open = false;
             atomicAnd(&open_pixels[local.x], ~(1u << local.y));

@@ -5,9 +5,8 @@
 
 struct RasterFrame {
     view: View,
-    // Tiles of 8 x 8 pixels, and of 32 x 32 pixels, that cover the picture.
+    // Tiles that cover the picture.
     n_tiles: vec2<u32>,
-    n_coarse: vec2<u32>,
     // Vertices of all drawn strands.
     n_items: u32,
     n_layers: u32,
@@ -22,6 +21,8 @@ struct RasterFrame {
     sample_step: u32,
     // Of the bins that the front is found with.
     bins_per_cm: f32,
+    pad_a: u32,
+    pad_b: u32,
 }
 
 struct RasterLayer {
@@ -44,8 +45,6 @@ struct Tile {
 @group(0) @binding(auto) var<storage, read> raster_layers: array<RasterLayer>;
 
 const NO_VERTEX: u32 = 0xFFFFFFFFu;
-const NO_FRONT: f32 = 1e30;
-const COARSE: f32 = 32.0;
 // A list entry is a vertex in the low bits and its bucket above them.
 const ENTRY_BITS: u32 = 26u;
 

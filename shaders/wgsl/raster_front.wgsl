@@ -1,43 +1,45 @@
-// How near the hair comes in each coarse tile: the depth at which strands cover a first small share of it. A few stray
-// strands before a lock are not its front, so that the fine buckets go to the lock.
+// Where the hair in each tile begins to hide what is behind it: the depth at which strands cover a first share. That is
+// where depth buckets must be finest, and a few stray strands before a lock must not take them away.
 //
-// A share of the strands stands for all: they are in the order of the level of detail, spread over the scalp. `gather`
+// Some of the strands stand for all: they are in the order of the level of detail, spread over the scalp. `gather`
 // sums what they cover in bins of depth, `find` reads the bins from near to far.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, sampled_segment_of, NO_VERTEX, COARSE, NO_FRONT}
+#import lorelei::raster_frame::{raster, sampled_segment_of, NO_VERTEX}
+#import lorelei::tile::{TILE, N_PIXELS}
 
-// Bins of each coarse tile: covered pixels, fixed point.
+// Bins of each tile: covered pixels, fixed point.
 @group(0) @binding(auto) var<storage, read_write> bins: array<atomic<u32>>;
 
 const N_BINS: u32 = 128u;
 const ONE_PIXEL: f32 = 64.0;
-// Of the coarse tile's area.
-const SHARE: f32 = 0.05;
+// Of what the strands cover, and of the tile where they cover it more than once.
+const SHARE: f32 = 0.2;
 
 #ifdef FIND
-// Depth in centimetres; NO_FRONT where there is no hair.
+// Depth in centimetres.
 @group(0) @binding(auto) var<storage, read_write> fronts: array<f32>;
 
 @compute @workgroup_size(64)
 fn find(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= raster.n_coarse.x * raster.n_coarse.y {
+    if id.x >= raster.n_tiles.x * raster.n_tiles.y {
         return;
     }
-    let wanted = u32(SHARE * COARSE * COARSE * ONE_PIXEL);
-    var before = 0u;
-    var last = NO_FRONT;
+    var total = 0u;
     for (var k = 0u; k < N_BINS; k++) {
-        let inside = atomicLoad(&bins[id.x * N_BINS + k]);
+        total += atomicLoad(&bins[id.x * N_BINS + k]);
+    }
+    let wanted = SHARE * min(f32(total), f32(N_PIXELS) * ONE_PIXEL);
+    var before = 0.0;
+    var place = 0.0;
+    for (var k = 0u; k < N_BINS; k++) {
+        let inside = f32(atomicLoad(&bins[id.x * N_BINS + k]));
         if before + inside > wanted {
-            last = f32(k) + f32(wanted - before) / f32(inside);
+            place = f32(k) + (wanted - before) / inside;
             break;
-        }
-        if inside > 0u {
-            last = f32(k);
         }
         before += inside;
     }
-    fronts[id.x] = select(raster.nearest + last / raster.bins_per_cm, NO_FRONT, last == NO_FRONT);
+    fronts[id.x] = raster.nearest + place / raster.bins_per_cm;
 }
 #else
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
@@ -51,14 +53,20 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     let root = vertices[vertex];
     let a = project(raster.view, root.xyz);
     let b = project(raster.view, vertices[vertex + 1u].xyz);
-    let middle = 0.5 * (a + b);
-    if min(a.z, b.z) <= raster.view.near || any(middle.xy < vec2<f32>(0.0)) || any(middle.xy >= vec2<f32>(raster.view.size)) {
+    if min(a.z, b.z) <= raster.view.near {
         return;
     }
-    let coarse = vec2<u32>(middle.xy / COARSE);
-    let bin = min(u32(max(middle.z - raster.nearest, 0.0) * raster.bins_per_cm), N_BINS - 1u);
-    let width = 2.0 * root.w * raster.view.pixels_per_tangent / middle.z;
-    let area = min(width * distance(a.xy, b.xy) * f32(raster.sample_step), COARSE * COARSE);
-    atomicAdd(&bins[(coarse.y * raster.n_coarse.x + coarse.x) * N_BINS + bin], u32(area * ONE_PIXEL + 0.5));
+    let length = distance(a.xy, b.xy);
+    let n_steps = clamp(ceil(length / TILE), 1.0, 64.0);
+    let width = 2.0 * root.w * raster.view.pixels_per_tangent / a.z;
+    let area = u32(min(width * length / n_steps * f32(raster.sample_step), f32(N_PIXELS)) * ONE_PIXEL + 0.5);
+    for (var k = 0.5; k < n_steps; k += 1.0) {
+        let at = mix(a, b, k / n_steps);
+        if all(at.xy >= vec2<f32>(0.0)) && all(at.xy < vec2<f32>(raster.view.size)) {
+            let tile = vec2<u32>(at.xy / TILE);
+            let bin = min(u32(max(at.z - raster.nearest, 0.0) * raster.bins_per_cm), N_BINS - 1u);
+            atomicAdd(&bins[(tile.y * raster.n_tiles.x + tile.x) * N_BINS + bin], area);
+        }
+    }
 }
 #endif

@@ -5,5 +5,3 @@
 // Side in pixels, and how many pixels.
 const TILE: f32 = 16.0;
 const N_PIXELS: u32 = 256u;
-// Depth buckets. A list entry is a vertex in the low 26 bits and its bucket in the high 6.
-const N_BUCKETS: u32 = 64u;

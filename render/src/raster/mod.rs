@@ -1,16 +1,16 @@
 //! The compute rasteriser: segments into tiles of 8 x 8 pixels, sorted by depth into buckets, composited near to far.
 //!
 //! ```text
-//! gather    a segment of a sampled strand a thread   what they cover in each coarse tile, by depth
-//! find      a coarse tile a thread   how near the hair comes
+//! gather    a segment of a sampled strand a thread   what they cover in each tile, by depth
+//! find      a tile a thread      where strands begin to hide what is behind them
 //! count     a segment a thread   vertices -> line in pixels, depths, widths; how many each (tile, bucket) gets
 //! allocate  a tile a thread      where in the list each bucket starts
 //! scatter   a segment a thread   segments into their buckets
 //! fine      see [`Threads`]      coverage of each segment in turn, composited, until nothing shines through
 //! ```
 //!
-//! There is no sort: the list is made by counting. Buckets are finest at the front of the hair in the tile's
-//! neighbourhood, where a pixel still lets light through. Segments behind a tile that is all head are never listed. The
+//! There is no sort: the list is made by counting. Buckets are finest at the front of the hair in the tile, where
+//! a pixel still lets light through. Segments behind a tile that is all head are never listed. The
 //! list is made in up to N_ROUNDS parts: raster_alloc.wgsl. What would need more parts is left out, and
 //! [`Raster::n_entries`] tells.
 //!
@@ -30,9 +30,8 @@ use crate::scene::Ball;
 use crate::slot;
 use crate::view::View;
 
-/// Side of a coarse tile, pixels; twin of `COARSE`.
-const COARSE: u32 = 32;
-/// Twin of `N_BINS`.
+/// Twins of `N_BUCKETS` and `N_BINS`.
+const N_BUCKETS: u64 = 32;
 const N_BINS: u64 = 128;
 /// A list entry keeps its vertex in 26 bits.
 const MAX_VERTICES: u32 = 1 << 26;
@@ -49,7 +48,6 @@ const MIN_ENTRIES: u64 = 1 << 22;
 struct FrameUniform {
     view: View,
     n_tiles: [u32; 2],
-    n_coarse: [u32; 2],
     n_items: u32,
     n_layers: u32,
     round_size: u32,
@@ -58,6 +56,7 @@ struct FrameUniform {
     nearest: f32,
     sample_step: u32,
     bins_per_cm: f32,
+    pad: [u32; 2],
 }
 
 /// What the threads of the last pass own: the fastest depends on the kind of device.
@@ -85,15 +84,7 @@ impl Threads {
         }
     }
 
-    /// Depth buckets of a tile.
-    fn n_buckets(self) -> u64 {
-        match self {
-            Self::Segments => 64,
-            Self::Lanes => 32,
-        }
-    }
-
-    /// Twin of [`Threads::tile_side`] and [`Threads::n_buckets`], for every shader that knows of tiles.
+    /// Twin of [`Threads::tile_side`], for every shader that knows of tiles.
     pub fn tile_slot(self) -> Link<'static> {
         Link::Slot(
             "tile",
@@ -160,7 +151,6 @@ pub(crate) struct Raster {
     arguments: wgpu::Buffer,
     rounds: Vec<wgpu::Buffer>,
     n_tiles: [u32; 2],
-    n_coarse: u32,
     /// Strands may be wider on the screen than [`WIDE`].
     is_wide: bool,
 }
@@ -218,7 +208,6 @@ impl Raster {
                 .map(|round| gpu.buffer_of("raster.round", &[round], BufferUsages::UNIFORM))
                 .collect(),
             n_tiles: [0; 2],
-            n_coarse: 0,
             is_wide: false,
         })
     }
@@ -281,8 +270,6 @@ impl Raster {
         let view = input.view;
         let [width, height] = view.size;
         let n_tiles = [width.div_ceil(self.threads.tile_side()), height.div_ceil(self.threads.tile_side())];
-        let n_coarse = [width.div_ceil(COARSE), height.div_ceil(COARSE)];
-        let n_all_coarse = n_coarse[0] * n_coarse[1];
         let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
         let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
             .max(MIN_ENTRIES)
@@ -294,15 +281,15 @@ impl Raster {
             fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
-            fit(gpu, &mut segments.bins, u64::from(n_all_coarse) * N_BINS * 4);
-            fit(gpu, &mut segments.fronts, u64::from(n_all_coarse) * 4);
+            fit(gpu, &mut segments.bins, n_all_tiles * N_BINS * 4);
+            fit(gpu, &mut segments.fronts, n_all_tiles * 4);
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
-            fit(gpu, &mut self.buckets, n_all_tiles * self.threads.n_buckets() * 4);
+            fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
             fit(gpu, &mut self.tiles, n_all_tiles * 16);
             fit(gpu, &mut self.entries, (round_size + u64::from(n_items)) * 4);
         })?;
         segments.n_items = n_items;
-        // Enough strands that a coarse tile of dense hair has one.
+        // Enough strands that a tile of dense hair has some.
         let n_strands: u32 = strands.layers.iter().map(|layer| layer.n_strands).sum();
         let sample_step = (n_strands / 2000).clamp(1, 16);
         segments.n_sampled =
@@ -310,11 +297,9 @@ impl Raster {
         let nearest = (input.ball.centre.distance(view.eye.into()) - input.ball.radius).max(view.near);
         self.is_wide = strands.widest * view.pixels_per_tangent > WIDE * nearest;
         self.n_tiles = n_tiles;
-        self.n_coarse = n_all_coarse;
         let frame = FrameUniform {
             view,
             n_tiles,
-            n_coarse,
             n_items,
             n_layers: strands.layers.len() as u32,
             round_size: self.round_size().min(u64::from(u32::MAX)) as u32,
@@ -324,6 +309,7 @@ impl Raster {
             sample_step,
             // The bins span the ball.
             bins_per_cm: N_BINS as f32 / (2.0 * input.ball.radius),
+            pad: [0; 2],
         };
         gpu.queue.write_buffer(&self.segments.frame, 0, bytemuck::bytes_of(&frame));
         gpu.queue.write_buffer(&self.segments.layers, 0, bytemuck::cast_slice(&strands.layers));
@@ -350,7 +336,7 @@ impl Raster {
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("raster.count"), timestamp_writes: None });
         self.kernels.gather.dispatch_items(&mut pass, &gather, self.segments.n_sampled);
-        self.kernels.find.dispatch_items(&mut pass, &find, self.n_coarse);
+        self.kernels.find.dispatch_items(&mut pass, &find, self.n_tiles[0] * self.n_tiles[1]);
         self.kernels.count.dispatch_items(&mut pass, &count, self.segments.n_items);
         self.kernels.allocate.dispatch_items(&mut pass, &allocate, self.n_tiles[0] * self.n_tiles[1]);
         self.kernels.plan.dispatch(&mut pass, &plan, [1, 1, 1]);
@@ -455,8 +441,8 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
 fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Kernels, ShaderError> {
     let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
     Ok(Kernels {
-        gather: kernel("raster_front", "gather", &[])?,
-        find: kernel("raster_front", "find", &[Link::Def("FIND")])?,
+        gather: kernel("raster_front", "gather", &[threads.tile_slot()])?,
+        find: kernel("raster_front", "find", &[threads.tile_slot(), Link::Def("FIND")])?,
         count: kernel("raster_bin", "bin", &[threads.tile_slot()])?,
         scatter: kernel("raster_bin", "bin", &[threads.tile_slot(), Link::Def("SCATTER")])?,
         allocate: kernel("raster_alloc", "allocate", &[threads.tile_slot()])?,
