@@ -220,6 +220,37 @@ fn the_head_shadows_what_is_behind_it_under_parallel_and_point_light() {
 }
 
 #[test]
+fn hair_behind_the_head_does_not_darken_the_skin_in_front() {
+    let side = 3.4;
+    let head = TriMesh {
+        positions: [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .map(|(x, y)| Vec3::new(side * x, side * y, 0.0))
+            .to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..TriMesh::default()
+    };
+    // A thin veil before the skin, and a thick lock behind the head.
+    let row = |from: Vec3| (0..N_PER_STRAND).map(move |k| from + Vec3::X * (0.5 * k as f32));
+    let veil: Vec<Vec3> = (0..8).flat_map(|n| row(Vec3::new(-1.75, 0.25 * n as f32 - 1.0, 0.4))).collect();
+    let lock = (0..800).flat_map(|n| row(Vec3::new(-1.75, (n % 40) as f32 * 0.05 - 1.0, -1.5 - 0.1 * (n / 40) as f32)));
+    let both: Vec<Vec3> = veil.iter().copied().chain(lock).collect();
+    let at: Vec<Vec3> = (0..9).map(|n| Vec3::new((n % 3) as f32 - 1.0, 0.6 * ((n / 3) as f32 - 1.0), 0.02)).collect();
+    let light = Light::directional("key", 0.0, 0.0, 1.0, [1.0; 3]);
+    let params = DeepOpacityParams { n_layers: 2, layer_size: 0.2, resolution: 64, ..DeepOpacityParams::default() };
+    let shade = |points: &[Vec3]| {
+        look_up(points, &at, light.clone(), Shadowing::DeepOpacity, &params, Some(&head))
+            .iter()
+            .map(|answer| answer[2])
+            .collect::<Vec<f32>>()
+    };
+    let (alone, with_lock) = (shade(&veil), shade(&both));
+    for (alone, with_lock) in alone.iter().zip(&with_lock) {
+        assert!(*alone > 0.8, "{alone}");
+        assert!((alone - with_lock).abs() < 1e-3, "{alone} {with_lock}");
+    }
+}
+
+#[test]
 fn casters_are_a_share_of_each_layer_and_as_much_wider() {
     let layer = |n_strands| DrawnLayer { n_strands, vertices_per_strand: 8, ..DrawnLayer::default() };
     let layers = [layer(90_000), layer(10_000), layer(0)];
