@@ -1,4 +1,4 @@
-//! The compute rasteriser: segments into tiles of 8 x 8 pixels, sorted by depth into buckets, composited near to far.
+//! The compute rasteriser: segments into tiles, counted into buckets of depth, composited near to far.
 //!
 //! ```text
 //! gather    a segment of a sampled strand a thread   what they cover in each tile, by depth
@@ -9,26 +9,31 @@
 //! fine      see [`Threads`]      coverage of each segment in turn, composited, until nothing shines through
 //! ```
 //!
-//! There is no sort: the list is made by counting. Buckets are finest at the front of the hair in the tile, where
-//! a pixel still lets light through. Segments behind a tile that is all head are never listed. The
-//! list is made in up to N_ROUNDS parts: raster_alloc.wgsl. What would need more parts is left out, and
+//! There is no sort: the list is made by counting. Buckets are finest where a tile's hair begins to hide what is behind
+//! it, and a fragment goes to the bucket of its own depth (raster_buckets.wgsl). Segments behind a tile that is all head
+//! are never listed. The list is made in up to N_ROUNDS parts (raster_alloc.wgsl); what would need more is left out, and
 //! [`Raster::n_entries`] tells.
 //!
-//! Rejected: a thread a pixel that reads all of its tile's segments (three times the time on an H200, two on a CPU);
-//! one thread a segment with atomics on pixels in memory (a global atomic per fragment and channel, two passes over all
-//! fragments for their order); sorting fragments (tens of millions a frame).
+//! Rejected: a thread a pixel that reads all of its tile's segments (twice the time on an H200 and on a CPU); the whole
+//! of a segment in one bucket (where locks cross, tiles showed); one thread a segment with atomics on pixels in memory (a
+//! global atomic per fragment and channel, two passes over all fragments for their order); sorting fragments (tens of
+//! millions a frame).
+
+mod kernels;
 
 use std::collections::HashMap;
 
 use lorelei_core::look::Transparency;
-use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::frame::Targets;
 use crate::mirror::{DrawnLayer, StrandBuffers};
 use crate::scene::Ball;
-use crate::slot;
 use crate::view::View;
+
+use kernels::Kernels;
+pub(crate) use kernels::Threads;
 
 /// Twins of `N_BUCKETS` and `N_BINS`.
 const N_BUCKETS: u64 = 32;
@@ -57,70 +62,6 @@ struct FrameUniform {
     sample_step: u32,
     bins_per_cm: f32,
     pad: [u32; 2],
-}
-
-/// What the threads of the last pass own: the fastest depends on the kind of device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Threads {
-    /// A thread walks the pixels of a segment and adds to sums in workgroup memory: `raster_fine.wgsl`.
-    Segments,
-    /// A thread is a lane of a CPU's vectors and owns a column of pixels: `raster_lanes.wgsl`.
-    Lanes,
-}
-
-impl Threads {
-    /// The faster one.
-    pub fn for_gpu(gpu: &Gpu) -> Self {
-        let info = &gpu.adapter_info;
-        let has_lanes = gpu.has(wgpu::Features::SUBGROUP) && info.subgroup_min_size >= 8;
-        if info.device_type == wgpu::DeviceType::Cpu && has_lanes { Self::Lanes } else { Self::Segments }
-    }
-
-    /// Side of a tile in pixels.
-    fn tile_side(self) -> u32 {
-        match self {
-            Self::Segments => 16,
-            Self::Lanes => 8,
-        }
-    }
-
-    /// Twin of [`Threads::tile_side`], for every shader that knows of tiles.
-    pub fn tile_slot(self) -> Link<'static> {
-        Link::Slot(
-            "tile",
-            match self {
-                Self::Segments => "tile_16",
-                Self::Lanes => "tile_8",
-            },
-        )
-    }
-
-    /// The last pass; `is_wide` only matters to lanes.
-    fn fine(
-        self,
-        library: &ShaderLibrary,
-        gpu: &Gpu,
-        (transparency, is_wide): (Transparency, bool),
-    ) -> Result<Kernel, ShaderError> {
-        let (file, blend) = match self {
-            Self::Segments => ("raster_fine", slot::transparency(transparency)),
-            Self::Lanes => ("raster_lanes", slot::transparency_in_lanes(transparency)),
-        };
-        let mut links = vec![blend, self.tile_slot()];
-        if is_wide {
-            links.push(Link::Def("WIDE"));
-        }
-        library.kernel(gpu, file, "fine", &[], &links)
-    }
-}
-
-struct Kernels {
-    gather: Kernel,
-    find: Kernel,
-    count: Kernel,
-    scatter: Kernel,
-    allocate: Kernel,
-    plan: Kernel,
 }
 
 /// Segments in pixels: what tiles are filled from.
@@ -186,7 +127,7 @@ impl Raster {
         let storage = |label| gpu.buffer(label, 0, STORAGE);
         Ok(Self {
             threads,
-            kernels: Hot::new(library, |library| make_kernels(gpu, library, threads))?,
+            kernels: Hot::new(library, |library| Kernels::new(gpu, library, threads))?,
             fine: HashMap::new(),
             segments: Segments {
                 frame: gpu.buffer("raster.frame", size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM),
@@ -257,7 +198,7 @@ impl Raster {
         input: &RasterInput,
     ) -> Result<(), crate::RenderError> {
         let threads = self.threads;
-        self.kernels.refresh(library, |library| make_kernels(gpu, library, threads));
+        self.kernels.refresh(library, |library| Kernels::new(gpu, library, threads));
         let n_items: u32 = strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum();
         let n_vertices = strands.n_vertices;
         let available = gpu.max_storage_binding();
@@ -436,16 +377,4 @@ pub(crate) fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
     if buffer.size() < size || buffer.size() > 4 * size.max(1 << 20) {
         *buffer = gpu.buffer("raster", size, STORAGE);
     }
-}
-
-fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Kernels, ShaderError> {
-    let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
-    Ok(Kernels {
-        gather: kernel("raster_front", "gather", &[threads.tile_slot()])?,
-        find: kernel("raster_front", "find", &[threads.tile_slot(), Link::Def("FIND")])?,
-        count: kernel("raster_bin", "bin", &[threads.tile_slot()])?,
-        scatter: kernel("raster_bin", "bin", &[threads.tile_slot(), Link::Def("SCATTER")])?,
-        allocate: kernel("raster_alloc", "allocate", &[threads.tile_slot()])?,
-        plan: kernel("raster_alloc", "plan", &[threads.tile_slot()])?,
-    })
 }
