@@ -45,6 +45,22 @@ pub(crate) struct Targets {
 }
 
 impl Targets {
+    pub fn clear_hair(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("hair.clear"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.hair,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+    }
+
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
         use wgpu::TextureUsages as Usage;
         let texture = |label, format, sample_count, usage| {

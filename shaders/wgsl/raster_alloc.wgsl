@@ -13,8 +13,10 @@ struct Arguments {
 
 @group(0) @binding(auto) var<storage, read_write> buckets: array<u32>;
 @group(0) @binding(auto) var<storage, read_write> tiles: array<Tile>;
-// Entries of all tiles.
-@group(0) @binding(auto) var<storage, read_write> n_entries: atomic<u32>;
+// Entries of all tiles, then tiles of each round.
+@group(0) @binding(auto) var<storage, read_write> totals: array<atomic<u32>>;
+// Tiles that have entries, a round's behind those of the round before.
+@group(0) @binding(auto) var<storage, read_write> tile_list: array<u32>;
 @group(0) @binding(auto) var<storage, read_write> arguments: Arguments;
 
 @compute @workgroup_size(64)
@@ -32,10 +34,14 @@ fn allocate(@builtin(global_invocation_id) id: vec3<u32>) {
         tiles[tile_idx] = Tile(0u, 0u, 0u, 0u);
         return;
     }
-    let place = atomicAdd(&n_entries, n);
+    let place = atomicAdd(&totals[0], n);
     let round = place / raster.round_size;
     var next = place - round * raster.round_size;
     tiles[tile_idx] = Tile(next, n, round, 0u);
+    if round < raster.n_rounds {
+        let n_tiles = raster.n_tiles.x * raster.n_tiles.y;
+        tile_list[round * n_tiles + atomicAdd(&totals[1u + round], 1u)] = tile_idx;
+    }
     for (var k = 0u; k < N_BUCKETS; k++) {
         let in_bucket = buckets[first + k];
         buckets[first + k] = next;
@@ -46,7 +52,7 @@ fn allocate(@builtin(global_invocation_id) id: vec3<u32>) {
 // One thread: rounds that have no tiles get no workgroups.
 @compute @workgroup_size(1)
 fn plan() {
-    let total = atomicLoad(&n_entries);
+    let total = atomicLoad(&totals[0]);
     let n_item_groups = (raster.n_items + 63u) / 64u;
     let n_rows = max((n_item_groups + 65534u) / 65535u, 1u);
     for (var k = 0u; k < raster.n_rounds; k++) {
@@ -55,8 +61,10 @@ fn plan() {
         arguments.groups[at] = select(0u, (n_item_groups + n_rows - 1u) / n_rows, is_used);
         arguments.groups[at + 1u] = select(0u, n_rows, is_used);
         arguments.groups[at + 2u] = 1u;
-        arguments.groups[at + 4u] = select(0u, raster.n_tiles.x, is_used);
-        arguments.groups[at + 5u] = select(0u, raster.n_tiles.y, is_used);
+        let n_tiles = atomicLoad(&totals[1u + k]);
+        let n_tile_rows = (n_tiles + 65534u) / 65535u;
+        arguments.groups[at + 4u] = (n_tiles + n_tile_rows - 1u) / max(n_tile_rows, 1u);
+        arguments.groups[at + 5u] = n_tile_rows;
         arguments.groups[at + 6u] = 1u;
     }
 }

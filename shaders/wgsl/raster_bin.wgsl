@@ -76,23 +76,35 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
     let high_y = max(end_y.x, end_y.y) + across * size.x;
     let first_row = max(i32(ceil((low_y - (TILE - 0.5)) / TILE)), 0);
     let last_row = min(i32(floor((high_y - 0.5) / TILE)), i32(raster.n_tiles.y) - 1);
-    for (var row = first_row; row <= last_row; row++) {
-        // The part of the segment whose strip has pixel centres in this row of tiles.
-        var low_s = -beyond;
-        var high_s = length + beyond;
-        if size.y > 1e-6 {
-            let top = (f32(row) * TILE + 0.5 - across * size.x - line.y) / u.y;
-            let bottom = (f32(row) * TILE + TILE - 0.5 + across * size.x - line.y) / u.y;
-            low_s = max(low_s, min(top, bottom));
-            high_s = min(high_s, max(top, bottom));
+    // One loop over all tiles, so that threads side by side go round it about as often as each other.
+    let reach = 0.5 * TILE * (size.x + size.y);
+    var row = first_row - 1;
+    var column = 0;
+    var last_column = -1;
+    var inside = vec2<f32>(0.0);
+    loop {
+        if column > last_column {
+            row++;
+            // The part of the segment whose strip has pixel centres in this row of tiles.
+            inside = vec2<f32>(-beyond, length + beyond);
+            if size.y > 1e-6 {
+                let top = (f32(row) * TILE + 0.5 - across * size.x - line.y) / u.y;
+                let bottom = (f32(row) * TILE + TILE - 0.5 + across * size.x - line.y) / u.y;
+                inside = vec2<f32>(max(inside.x, min(top, bottom)), min(inside.y, max(top, bottom)));
+            }
+            let x = line.x + u.x * inside;
+            let low_x = min(x.x, x.y) - across * size.y;
+            let high_x = max(x.x, x.y) + across * size.y;
+            column = max(i32(ceil((low_x - (TILE - 0.5)) / TILE)), 0);
+            last_column = min(i32(floor((high_x - 0.5) / TILE)), i32(raster.n_tiles.x) - 1);
         }
-        let x = line.x + u.x * vec2<f32>(low_s, high_s);
-        let low_x = min(x.x, x.y) - across * size.y;
-        let high_x = max(x.x, x.y) + across * size.y;
-        let first_column = max(i32(ceil((low_x - (TILE - 0.5)) / TILE)), 0);
-        let last_column = min(i32(floor((high_x - 0.5) / TILE)), i32(raster.n_tiles.x) - 1);
-        for (var column = first_column; column <= last_column; column++) {
+        if row > last_row {
+            break;
+        }
+        if column <= last_column {
             let tile_idx = u32(row) * raster.n_tiles.x + u32(column);
+            let middle = (vec2<f32>(f32(column), f32(row)) + 0.5) * TILE;
+            column++;
             if nearest > bitcast<f32>(tile_backs[tile_idx]) {
                 continue;
             }
@@ -101,11 +113,9 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
                 continue;
             }
 #endif
-            let middle = (vec2<f32>(f32(column), f32(row)) + 0.5) * TILE;
             // The part of the segment that lies in the tile.
             let at = dot(middle - line.xy, u);
-            let reach = 0.5 * TILE * (size.x + size.y);
-            let part = clamp(vec2<f32>(max(at - reach, low_s), min(at + reach, high_s)) / length, vec2<f32>(0.0), vec2<f32>(1.0));
+            let part = clamp(vec2<f32>(max(at - reach, inside.x), min(at + reach, inside.y)) / length, vec2<f32>(0.0), vec2<f32>(1.0));
             let bucket = bucket_of(span.y + (span.z - span.y) * select(part.y, part.x, span.z > span.y) - fronts[tile_idx]);
             let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
 #ifdef SCATTER

@@ -12,6 +12,9 @@
 struct Round { round: u32 }
 @group(0) @binding(auto) var<uniform> round: Round;
 @group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
+// See raster_alloc.wgsl.
+@group(0) @binding(auto) var<storage, read> totals: array<u32>;
+@group(0) @binding(auto) var<storage, read> tile_list: array<u32>;
 // After scattering: where each bucket's part of the list ends.
 @group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
 // Depth in each tile from which strands hide what is behind them.
@@ -101,23 +104,20 @@ fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u
 @compute @workgroup_size(16, 16)
 fn fine(
     @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) local_idx: u32,
 ) {
-    let tile_idx = group.y * raster.n_tiles.x + group.x;
+    let place = group.x + group.y * n_groups.x;
+    if place >= totals[1u + round.round] {
+        return;
+    }
+    let tile_idx = tile_list[round.round * raster.n_tiles.x * raster.n_tiles.y + place];
     let tile = tiles[tile_idx];
-    if tile.round != round.round {
-        return;
-    }
-    let pixel = group.xy * u32(SIDE) + local.xy;
+    let corner = vec2<u32>(tile_idx % raster.n_tiles.x, tile_idx / raster.n_tiles.x) * u32(SIDE);
+    let pixel = corner + local.xy;
     let is_inside = all(pixel < raster.view.size);
-    if tile.n_entries == 0u {
-        if is_inside {
-            textureStore(hair, pixel, vec4<f32>(0.0));
-        }
-        return;
-    }
-    let tile_origin = vec2<f32>(group.xy) * TILE;
+    let tile_origin = vec2<f32>(corner);
     if local_idx == 0u {
         atomicStore(&nearest_surface, 0x7f800000u);
     }

@@ -15,6 +15,9 @@
 struct Round { round: u32 }
 @group(0) @binding(auto) var<uniform> round: Round;
 @group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
+// See raster_alloc.wgsl.
+@group(0) @binding(auto) var<storage, read> totals: array<u32>;
+@group(0) @binding(auto) var<storage, read> tile_list: array<u32>;
 // After scattering: where each bucket's part of the list ends.
 @group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
 // Depth in each tile from which strands hide what is behind them.
@@ -147,14 +150,20 @@ fn surface_at(pixel: vec2<u32>) -> vec2<f32> {
 }
 
 @compute @workgroup_size(8)
-fn fine(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
-    let tile_idx = group.y * raster.n_tiles.x + group.x;
-    let tile = tiles[tile_idx];
-    if tile.round != round.round {
+fn fine(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+) {
+    let place = group.x + group.y * n_groups.x;
+    if place >= totals[1u + round.round] {
         return;
     }
-    let pixel = group.xy * SIDE + vec2<u32>(lane, 0u);
-    let tile_origin = vec2<f32>(group.xy * SIDE);
+    let tile_idx = tile_list[round.round * raster.n_tiles.x * raster.n_tiles.y + place];
+    let tile = tiles[tile_idx];
+    let corner = vec2<u32>(tile_idx % raster.n_tiles.x, tile_idx / raster.n_tiles.x) * SIDE;
+    let pixel = corner + vec2<u32>(lane, 0u);
+    let tile_origin = vec2<f32>(corner);
     let column = f32(lane) + 0.5;
     var surfaces: Surfaces;
     surfaces.s0 = surface_at(pixel + vec2<u32>(0u, 0u));

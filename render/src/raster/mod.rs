@@ -88,7 +88,8 @@ pub(crate) struct Raster {
     buckets: wgpu::Buffer,
     tiles: wgpu::Buffer,
     entries: wgpu::Buffer,
-    n_entries: wgpu::Buffer,
+    totals: wgpu::Buffer,
+    tile_list: wgpu::Buffer,
     arguments: wgpu::Buffer,
     rounds: Vec<wgpu::Buffer>,
     n_tiles: [u32; 2],
@@ -143,7 +144,8 @@ impl Raster {
             buckets: storage("raster.buckets"),
             tiles: storage("raster.tiles"),
             entries: storage("raster.entries"),
-            n_entries: storage("raster.n_entries"),
+            totals: gpu.buffer("raster.totals", 4 * (1 + N_ROUNDS), STORAGE),
+            tile_list: storage("raster.tile_list"),
             arguments: gpu.buffer("raster.arguments", N_ROUNDS * 32, STORAGE | BufferUsages::INDIRECT),
             rounds: (0..N_ROUNDS as u32)
                 .map(|round| gpu.buffer_of("raster.round", &[round], BufferUsages::UNIFORM))
@@ -181,7 +183,7 @@ impl Raster {
 
     /// Entries of the last frame's list, and how many fit: for tests and statistics.
     pub fn n_entries(&self, gpu: &Gpu) -> Result<(u64, u64), GpuError> {
-        let listed = gpu.read_buffer::<u32>(&self.n_entries)?[0];
+        let listed = gpu.read_buffer::<u32>(&self.totals)?[0];
         Ok((u64::from(listed), N_ROUNDS * self.round_size()))
     }
 
@@ -227,6 +229,7 @@ impl Raster {
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
             fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
             fit(gpu, &mut self.tiles, n_all_tiles * 16);
+            fit(gpu, &mut self.tile_list, n_all_tiles * N_ROUNDS * 4);
             fit(gpu, &mut self.entries, (round_size + u64::from(n_items)) * 4);
         })?;
         segments.n_items = n_items;
@@ -266,7 +269,7 @@ impl Raster {
     ) -> Result<(), ShaderError> {
         encoder.clear_buffer(&self.segments.bins, 0, None);
         encoder.clear_buffer(&self.buckets, 0, None);
-        encoder.clear_buffer(&self.n_entries, 0, None);
+        encoder.clear_buffer(&self.totals, 0, None);
         let mut resources = self.resources();
         resources.push(("vertices", strands.vertices.as_entire_binding()));
         let gather = self.kernels.gather.bind_used(gpu, &resources)?;
@@ -341,6 +344,8 @@ impl Raster {
             self.fine.insert(key, Hot::new(library, make)?);
         }
         let fine = &self.fine[&key];
+        // Tiles without hair are not drawn.
+        targets.clear_hair(encoder);
         profile.pass("raster.scatter", encoder, |encoder| self.record_scatter(gpu, encoder, 0))?;
         profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, radiance, targets, 0))?;
         profile.pass("raster.more_rounds", encoder, |encoder| {
@@ -365,7 +370,8 @@ impl Raster {
             ("buckets", self.buckets.as_entire_binding()),
             ("tiles", self.tiles.as_entire_binding()),
             ("entries", self.entries.as_entire_binding()),
-            ("n_entries", self.n_entries.as_entire_binding()),
+            ("totals", self.totals.as_entire_binding()),
+            ("tile_list", self.tile_list.as_entire_binding()),
             ("arguments", self.arguments.as_entire_binding()),
         ]
     }
