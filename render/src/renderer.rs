@@ -426,6 +426,7 @@ impl Renderer {
             .or(self.shade.shader_error())
             .or(self.head.shader_error())
             .or(self.raster.shader_error())
+            .or(self.ribbons.shader_error())
             .or(self.resolve.shader_error())
     }
 }

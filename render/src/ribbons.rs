@@ -57,6 +57,10 @@ impl Ribbons {
         })
     }
 
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.pipelines.error()
+    }
+
     /// Record sorting and drawing into a texture of [`FORMAT`], cleared first.
     pub fn record(
         &mut self,

@@ -59,6 +59,11 @@ impl ShaderLibrary {
         Ok(Self::new(State { sources: Arc::new(sources), generation: 0, folder: Some(folder.to_owned()), stamps }))
     }
 
+    /// Whether files are watched: only then [`ShaderLibrary::poll`] can find a change.
+    pub fn is_watching(&self) -> bool {
+        self.state().folder.is_some()
+    }
+
     fn new(state: State) -> Self {
         Self { state: Arc::new(Mutex::new(state)) }
     }

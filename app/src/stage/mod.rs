@@ -8,6 +8,9 @@ mod display;
 pub mod pacer;
 pub mod thread;
 
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
@@ -98,22 +101,23 @@ pub struct Stage {
     look: Look,
     /// Where a window finds the picture.
     display: Option<Display>,
+    /// Why the last edit of a shader is not in use, once that was told.
+    shader_fault: Option<ShaderError>,
     is_lost: bool,
 }
 
 impl Stage {
     /// A stage whose pictures are read back.
     pub fn new(gpu: Gpu) -> Result<Self, StageError> {
-        Self::with_display(gpu, None)
+        Self::with_library(gpu, None, shader_library()?)
     }
 
     /// A stage whose pictures a window shows.
     pub fn for_display(gpu: Gpu, display: Display) -> Result<Self, StageError> {
-        Self::with_display(gpu, Some(display))
+        Self::with_library(gpu, Some(display), shader_library()?)
     }
 
-    fn with_display(gpu: Gpu, display: Option<Display>) -> Result<Self, StageError> {
-        let library = shader_library()?;
+    fn with_library(gpu: Gpu, display: Option<Display>, library: ShaderLibrary) -> Result<Self, StageError> {
         Ok(Self {
             renderer: Renderer::new(&gpu, library.clone())?,
             gpu,
@@ -129,6 +133,7 @@ impl Stage {
             n_moves: 0,
             look: Look::default(),
             display,
+            shader_fault: None,
             is_lost: false,
         })
     }
@@ -187,9 +192,30 @@ impl Stage {
         size: [u32; 2],
         detail: Detail,
     ) -> Result<(), StageError> {
-        let result = self.record(playback, dt_secs, camera, size, detail);
+        let result = self.record(playback, dt_secs, camera, size, detail).and_then(|()| self.tell_shader_fault());
         self.is_lost |= result.as_ref().is_err_and(StageError::is_lost);
         result
+    }
+
+    /// An edit of a shader that does not work, as an error of the first frame without it.
+    fn tell_shader_fault(&mut self) -> Result<(), StageError> {
+        let fault = self.renderer.shader_error().cloned();
+        if fault == self.shader_fault {
+            return Ok(());
+        }
+        self.shader_fault.clone_from(&fault);
+        fault.map_or(Ok(()), |fault| Err(fault.into()))
+    }
+
+    /// Whether somebody edits shaders while the studio runs.
+    pub fn watches_shaders(&self) -> bool {
+        self.library.is_watching()
+    }
+
+    /// Whether a shader has changed on the disk since this was last asked or a frame was drawn.
+    pub fn has_new_shaders(&self) -> bool {
+        // A folder that is gone is told by the frame.
+        self.library.poll().unwrap_or(true)
     }
 
     fn record(

@@ -228,6 +228,9 @@ const LONGEST_FRAME_SECS: f32 = 0.1;
 /// A full frame is announced once the last one took longer than this.
 const ANNOUNCED_MS: f32 = 500.0;
 
+/// Between two looks at the shaders' files, where somebody edits them and nothing else is to be drawn.
+const LOOK_FOR_SHADERS: Duration = Duration::from_millis(300);
+
 /// What wakes the thread.
 enum Event {
     /// Draw; whether something else is asked for than was drawn last.
@@ -388,6 +391,16 @@ impl Worker {
                     }
                     let wait = wait.max(Duration::from_millis(20));
                     let waited = self.shared.posted.wait_timeout(mailbox, wait);
+                    mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
+                    continue;
+                }
+                if let Making::Ready(stage) = &self.stage
+                    && stage.watches_shaders()
+                {
+                    if stage.has_new_shaders() {
+                        return Event::Draw(request.clone(), true);
+                    }
+                    let waited = self.shared.posted.wait_timeout(mailbox, LOOK_FOR_SHADERS);
                     mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
                     continue;
                 }
