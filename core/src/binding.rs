@@ -297,8 +297,18 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
     };
     let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
     let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
-    let weights: Vec<Vec<f32>> =
-        scattered.par_iter().map(|(_, root, _)| mean_value_weights(&corners_of(root), root.position)).collect();
+    // In a face that is not convex mean values can be far below 0: such a strand would leave its lock.
+    let weights: Vec<Vec<f32>> = scattered
+        .par_iter()
+        .map(|(_, root, _)| {
+            let mut weights = mean_value_weights(&corners_of(root), root.position);
+            let sum: f32 = weights.iter().map(|w| w.max(0.0)).sum();
+            for w in &mut weights {
+                *w = w.max(0.0) / sum;
+            }
+            weights
+        })
+        .collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
     for ((id, root, place), weights) in scattered.iter().zip(weights) {
         let guides = &chains.of_bundle[root.face as usize];

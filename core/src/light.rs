@@ -100,9 +100,9 @@ impl Light {
 /// Key 30-45 degrees to the side and above, a weaker cool fill, a rim from behind.
 pub fn three_point_rig() -> Vec<Light> {
     vec![
-        Light::directional("key", 40.0, 40.0, 1.7, [1.0, 0.96, 0.90]),
-        Light::directional("fill", -50.0, 12.0, 0.45, [0.86, 0.93, 1.0]),
-        Light::directional("rim", 190.0, 45.0, 2.2, [1.0, 0.98, 0.95]),
+        Light::directional("key", 42.0, 38.0, 1.5, [1.0, 0.96, 0.90]),
+        Light::directional("fill", -50.0, 12.0, 0.7, [0.86, 0.93, 1.0]),
+        Light::directional("rim", 205.0, 32.0, 0.8, [1.0, 0.98, 0.95]),
     ]
 }
 

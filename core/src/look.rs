@@ -109,7 +109,7 @@ choices! {
 choices! {
     /// The head under the hair.
     HeadShading {
-        Skin = "skin", "Matte skin", "Lit by the same lights, casting on and receiving from hair";
+        Skin = "skin", "Skin", "Lit by the same lights, casting on and receiving from hair";
         Hidden = "hidden", "Hidden", "Hair alone; the head neither covers nor shadows it";
     }
 }
@@ -156,6 +156,12 @@ pub struct Look {
     pub head: HeadShading,
     /// Linear RGB diffuse albedo.
     pub skin_colour: [f32; 3],
+    /// Weight of the skin's own reflection; 1 is skin's.
+    pub skin_gloss: f32,
+    /// Cosine by which red light creeps around the border of a light.
+    pub skin_softness: f32,
+    /// 0-1: share of the scalp's light that hair roots keep.
+    pub root_shadow: f32,
     pub tonemapping: Tonemapping,
     /// Stops.
     pub exposure: f32,
@@ -222,11 +228,14 @@ impl Default for Look {
             multiple_scattering_weight: 1.0,
             environment: Environment::Constant,
             environment_colour: [0.9, 0.95, 1.0],
-            environment_intensity: 0.12,
+            environment_intensity: 0.3,
             shadowing: Shadowing::DeepOpacity,
             deep_opacity: DeepOpacityParams::default(),
             head: HeadShading::Skin,
-            skin_colour: [0.36, 0.26, 0.21],
+            skin_colour: [0.40, 0.265, 0.20],
+            skin_gloss: 0.5,
+            skin_softness: 0.3,
+            root_shadow: 0.7,
             tonemapping: Tonemapping::Agx,
             exposure: 0.0,
             background: Background::Gradient,
@@ -404,6 +413,9 @@ impl Look {
             ] },
             Slot { key: "head", label: "Head", help: "The head under the hair", choice: &mut self.head, params: vec![
                 colour("head.colour", "Skin colour", &mut self.skin_colour, &["skin"], "Diffuse albedo"),
+                number("head.gloss", "Gloss", "", (0.0, 4.0), &mut self.skin_gloss, &["skin"], "Reflection off the surface: 0 is matte, 1 is skin"),
+                number("head.softness", "Softness", "cosine", (0.0, 1.0), &mut self.skin_softness, &["skin"], "How far red light creeps around the border of a light"),
+                number("head.root_shadow", "Root shadow", "share", (0.0, 1.0), &mut self.root_shadow, &["skin"], "Darkens the scalp between the roots of hair"),
             ] },
             Slot { key: "tonemapping", label: "Tonemapping", help: "From scene light to display", choice: &mut self.tonemapping, params: vec![
                 number("tonemapping.exposure", "Exposure", "stops", (-8.0, 8.0), &mut self.exposure, &[], "Doubles the light with every stop"),

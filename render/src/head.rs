@@ -1,11 +1,11 @@
 //! The head: normals and depth through the graphics pipeline, four samples a pixel so that its outline is smooth; then
-//! matte skin and the depth that hair is compared with, once a pixel, in compute.
+//! skin and the depth that hair is compared with, once a pixel, in compute.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
-use glam::{Affine3A, Mat4};
+use glam::{Affine3A, Mat4, Vec3};
 use lorelei_core::look::{Look, Shadowing};
-use lorelei_core::mesh::TriMesh;
+use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
 use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -20,13 +20,17 @@ use crate::slot;
 struct HeadLook {
     world_from_head: [[f32; 4]; 4],
     albedo: [f32; 3],
-    pad: f32,
+    gloss: f32,
+    softness: f32,
+    roots: f32,
+    pad: [f32; 2],
 }
 
 struct Mesh {
     positions: wgpu::Buffer,
     normals: wgpu::Buffer,
     indices: wgpu::Buffer,
+    scalp: wgpu::Buffer,
     n_indices: u32,
 }
 
@@ -43,6 +47,8 @@ pub(crate) struct HeadInput<'a> {
     pub look: &'a Look,
     pub world_from_head: Affine3A,
     pub is_shown: bool,
+    /// Hair is drawn: its roots darken the scalp.
+    pub has_hair: bool,
     pub view: &'a wgpu::Buffer,
     pub tile_backs: &'a wgpu::Buffer,
     /// The rasteriser's tiles.
@@ -77,6 +83,7 @@ impl HeadPass {
                 positions: gpu.buffer_of("head.positions", &mesh.positions, BufferUsages::STORAGE),
                 normals: gpu.buffer_of("head.normals", normals, BufferUsages::STORAGE),
                 indices: gpu.buffer_of("head.indices", &mesh.triangles, BufferUsages::STORAGE),
+                scalp: gpu.buffer_of("head.scalp", &scalp_of(mesh), BufferUsages::STORAGE),
                 n_indices: 3 * mesh.triangles.len() as u32,
             }
         });
@@ -108,7 +115,10 @@ impl HeadPass {
         let uniform = HeadLook {
             world_from_head: Mat4::from(input.world_from_head).to_cols_array_2d(),
             albedo: input.look.skin_colour,
-            pad: 0.0,
+            gloss: input.look.skin_gloss,
+            softness: input.look.skin_softness,
+            roots: if input.has_hair { input.look.root_shadow } else { 0.0 },
+            pad: [0.0; 2],
         };
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&uniform));
 
@@ -141,6 +151,7 @@ impl HeadPass {
                         ("head_positions", mesh.positions.as_entire_binding()),
                         ("head_normals", mesh.normals.as_entire_binding()),
                         ("head_indices", mesh.indices.as_entire_binding()),
+                        ("head_scalp", mesh.scalp.as_entire_binding()),
                     ],
                 )?;
                 self.draw.draw(&mut pass, &bindings, mesh.n_indices);
@@ -166,6 +177,36 @@ impl HeadPass {
         kernel.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
         Ok(())
     }
+}
+
+/// Centimetres from the hairline over which skin becomes scalp.
+const HAIRLINE: (f32, f32) = (0.2, 1.4);
+
+/// How much each vertex is scalp, 0-1: 0 everywhere where the mesh names no scalp.
+fn scalp_of(mesh: &TriMesh) -> Vec<f32> {
+    let mut scalp = vec![0.0; mesh.positions.len()];
+    let Some(group) = mesh.group(SCALP_GROUP) else { return scalp };
+    let mut in_group = vec![false; mesh.triangles.len()];
+    group.triangles.iter().for_each(|&t| in_group[t as usize] = true);
+    // Charts do not share vertices: scalp and skin meet at places, not at indices.
+    let place = |v: u32| mesh.positions[v as usize].to_array().map(f32::to_bits);
+    let skin: HashSet<[u32; 3]> = mesh
+        .triangles
+        .iter()
+        .zip(&in_group)
+        .filter(|(_, is_scalp)| !**is_scalp)
+        .flat_map(|(t, _)| t.map(place))
+        .collect();
+    let inner: HashSet<u32> = group.triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
+    let hairline: Vec<Vec3> =
+        inner.iter().filter(|&&v| skin.contains(&place(v))).map(|&v| mesh.positions[v as usize]).collect();
+    for &v in &inner {
+        let p = mesh.positions[v as usize];
+        let nearest = hairline.iter().map(|q| q.distance_squared(p)).fold(f32::INFINITY, f32::min).sqrt();
+        let x = ((nearest - HAIRLINE.0) / (HAIRLINE.1 - HAIRLINE.0)).clamp(0.0, 1.0);
+        scalp[v as usize] = x * x * (3.0 - 2.0 * x);
+    }
+    scalp
 }
 
 fn make_draw(gpu: &Gpu, library: &ShaderLibrary) -> Result<Draw, ShaderError> {

@@ -266,6 +266,7 @@ impl Renderer {
                 look,
                 world_from_head: input.world_from_head,
                 is_shown: is_head_shown,
+                has_hair: strands.layers.iter().any(|layer| layer.n_strands > 0),
                 view: &self.view,
                 tile_backs: &self.raster.segments.tile_backs,
                 tile_slot: self.raster.threads().tile_slot(),

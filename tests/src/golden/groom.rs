@@ -48,8 +48,8 @@ pub fn groom() -> Groom {
         style,
         ..Layer::new("hair", Source::Guides(Arc::new(guides)))
     };
-    hair.material.eumelanin = 0.5;
-    hair.material.pheomelanin = 0.8;
+    hair.material.eumelanin = 0.35;
+    hair.material.pheomelanin = 0.6;
     let lights = vec![
         Light::directional("key", 40.0, 40.0, 1.7, [1.0, 0.96, 0.9]),
         Light::directional("fill", -50.0, 12.0, 0.5, [0.86, 0.93, 1.0]),
@@ -59,6 +59,8 @@ pub fn groom() -> Groom {
         Groom { name: "golden".to_owned(), head: Some(ball()), layers: vec![hair], lights, ..Groom::default() };
     // Enough for a picture of 256 pixels, and a sixteenth of the work.
     groom.look.deep_opacity.resolution = 256;
+    // Lamps show a lobe that is missing, light from all around hides it.
+    groom.look.environment_intensity = 0.09;
     groom
 }
 

@@ -21,27 +21,27 @@ use lorelei_core::mesh::TriMesh;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::sdf;
-use roots::{Root, RootGrid, ScalpChart};
+use roots::{Layout, Root, RootGrid, ScalpChart};
 
 /// Strands of a whole style.
 const N_STRANDS: u32 = 100_000;
-const N_FLY_AWAYS: u32 = 1_400;
+const N_FLY_AWAYS: u32 = 1_800;
 const N_BABY_HAIRS: u32 = 2_600;
 
 /// What styles are authored on.
 struct Studio {
     chart: ScalpChart,
     body: DistanceField,
-    hair: Arc<ScalpMap>,
     baby: Arc<ScalpMap>,
+    fly_away: Arc<ScalpMap>,
 }
 
 /// All styles as (key, groom without its head).
 pub fn all(head: &TriMesh) -> Result<Vec<(&'static str, Groom)>, String> {
     let chart = ScalpChart::new(head).ok_or("the head has no scalp")?;
     let body = DistanceField::from_mesh(head, 112).map_err(|error| error.to_string())?;
-    let (hair, baby) = (Arc::new(chart.hair_density()), Arc::new(chart.baby_density()));
-    let studio = Studio { chart, body, hair, baby };
+    let (baby, fly_away) = (Arc::new(chart.baby_density()), Arc::new(chart.fly_away_density()));
+    let studio = Studio { chart, body, baby, fly_away };
     Ok(vec![("long", long::groom(&studio)?), ("bob", bob::groom(&studio)?), ("curls", curls::groom(&studio)?)])
 }
 
@@ -84,10 +84,10 @@ impl Studio {
         }
     }
 
-    fn main_layer(&self, mesh: HairMesh) -> Layer {
+    fn main_layer(&self, layout: &Layout, mesh: HairMesh) -> Layer {
         Layer {
             n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
-            density: Some(Arc::clone(&self.hair)),
+            density: Some(Arc::new(self.chart.hair_density(layout))),
             seed: 1,
             ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
         }
@@ -115,12 +115,15 @@ impl Studio {
                 op(StyleKind::Length { variation: 0.7, strands_per_clump: 1.0 }),
                 op(StyleKind::Clump { strands_per_clump: 12.0, flare: 0.2, stray: 0.6 }),
                 op(StyleKind::Frizz { amplitude: 0.16, wavelength: 1.6, strands_per_clump: 1.0 }),
-                op(StyleKind::Deviate { share: 0.5, amplitude: 0.7, lift: 0.2 }),
+                op(StyleKind::Deviate { share: 0.3, amplitude: 0.35, lift: 0.1 }),
             ],
             ..main.clone()
         })
     }
 }
+
+/// Height at which hair that the shoulder parts begins to open and is open, centimetres.
+const SPLITS_AT: (f32, f32) = (-7.0, -17.0);
 
 /// On which side of the shoulder a path hangs; `None` where it ends above.
 fn before_shoulder(path: &[Vec3]) -> Option<bool> {
@@ -130,7 +133,8 @@ fn before_shoulder(path: &[Vec3]) -> Option<bool> {
 
 /// Strands are blended from their face's corners: where some hang before the shoulder and some behind it,
 /// they would run through it. There the face's corners all go one way: those that do not get a second
-/// path, their neighbour's from their own root.
+/// path, their own down to the neck and their neighbour's from there, so that hair opens over the shoulder
+/// and nowhere higher.
 fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<u32>> {
     let side: Vec<Option<bool>> = paths.iter().map(|path| before_shoulder(path)).collect();
     let mut second: HashMap<u32, u32> = HashMap::new();
@@ -144,10 +148,17 @@ fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<
             let beside = 3 - i;
             let model = face[if goes(beside) { beside } else { leader }] as usize;
             parted[i] = *second.entry(face[i]).or_insert_with(|| {
-                let shift = paths[face[i] as usize][0] - paths[model][0];
-                let n = paths[model].len() as f32 - 1.0;
-                let left = |k: usize| 1.0 - 0.75 * sdf::smoothstep(0.0, 0.7, k as f32 / n);
-                let path = paths[model].iter().enumerate().map(|(k, &p)| p + shift * left(k)).collect();
+                let own = &paths[face[i] as usize];
+                let (n_own, n_model) = (own.len() - 1, paths[model].len() - 1);
+                let path = (0..=n_own).map(|k| {
+                    let p = own[k];
+                    // The neighbour at the same share of its length.
+                    let at = k as f32 / n_own as f32 * n_model as f32;
+                    let beside =
+                        paths[model][at as usize].lerp(paths[model][(at as usize + 1).min(n_model)], at.fract());
+                    p.lerp(beside, sdf::smoothstep(SPLITS_AT.0, SPLITS_AT.1, p.y.min(beside.y)))
+                });
+                let path = path.collect();
                 paths.push(path);
                 paths.len() as u32 - 1
             });
@@ -157,11 +168,11 @@ fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<
 }
 
 /// Hairs that left their locks: the main layer's paths, each its own way.
-fn fly_aways(main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
+fn fly_aways(studio: &Studio, main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
     let mut style = vec![
         op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
         op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),
-        StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.35 }) },
+        StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.5 }) },
     ];
     style.extend(extra);
     Layer {
@@ -169,6 +180,7 @@ fn fly_aways(main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
         n_strands: N_FLY_AWAYS,
         seed: 2,
         radius_um: 0.85 * main.radius_um,
+        density: Some(Arc::clone(&studio.fly_away)),
         style,
         ..main.clone()
     }

@@ -206,7 +206,7 @@ impl Mannequin {
         let cheekbone = turned_ellipsoid(p, vec3(4.3, -2.0, 4.9), &self.cheekbone_frame, vec3(1.8, 1.2, 1.55));
         d = join(d, cheekbone, 2.4);
         d = join(d, cone(p, vec3(4.9, -1.9, 4.0), vec3(6.2, -1.2, 0.2), 0.8, 0.7), 2.4);
-        let hollow = ellipsoid(p, vec3(7.3, -5.4, 4.8), vec3(1.3, 2.2, 2.6));
+        let hollow = ellipsoid(p, vec3(8.1, -5.6, 4.6), vec3(1.2, 2.2, 2.6));
         d = carve(d, hollow, 2.6);
         // Brow ridge over the sockets.
         d = join(d, tube(p, &self.brow), 1.6);
@@ -264,7 +264,7 @@ impl Mannequin {
         d = join(d, tube(p, &self.lower_lip), 0.32);
         d = carve(d, tube(p, &self.mouth_line), 0.16);
         // Corners sink, and the chin begins below a fold.
-        d = carve(d, ellipsoid(p, vec3(2.7, -6.75, 8.4), vec3(0.28, 0.32, 0.4)), 0.6);
+        d = carve(d, ellipsoid(p, vec3(2.75, -6.75, 8.5), vec3(0.22, 0.28, 0.4)), 0.7);
         carve(d, ellipsoid(p, vec3(0.0, -8.5, 9.85), vec3(1.9, 0.5, 0.75)), 0.9)
     }
 
@@ -281,8 +281,8 @@ impl Mannequin {
         d = join(d, tube(p, &self.collarbone), 1.6);
         // The hollow over the breast bone.
         d = carve(d, ellipsoid(p, vec3(0.0, -18.2, 0.75), vec3(0.9, 0.9, 0.6)), 1.4);
-        let cut = (p.x - SHOULDER_CUT).max(BASE - p.y);
-        meet(d, cut, 1.8)
+        let cut = meet(p.x - SHOULDER_CUT, BASE - p.y, 4.0);
+        meet(d, cut, 2.4)
     }
 
     /// The muscle from behind the ear to the breast bone, and the larynx.

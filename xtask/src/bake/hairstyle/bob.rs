@@ -19,7 +19,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         parted: 0.55,
         n_columns: 17,
         n_rows: 6,
-        whorl: 0.6,
+        whorl: 0.9,
         whorl_radius: 3.0,
     };
     let grid = studio.chart.grid(&layout);
@@ -28,17 +28,17 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         &LAYERS_AT,
         |root| {
             let front = smoothstep(0.42, 0.0, root.back);
-            let flow = root.flow + vec3(0.0, 0.0, -0.8) * front + vec3(0.0, -0.1, 0.0);
+            let flow = root.flow + vec3(0.0, 0.0, -0.6) * front * lerp(0.35, 1.0, root.along) + vec3(0.0, -0.1, 0.0);
             // Longer in front than at the nape, and shorter on top of it: the bob's line.
             let end = lerp(-8.6, -10.4, smoothstep(0.9, 0.1, root.back)) + 2.2 * (1.0 - root.along);
             let down = (root.position.y - end).max(2.5);
             let growth = Growth {
                 length: down * 1.12 + lerp(7.0, 1.2, root.along),
-                lift: lerp(0.3, 0.18, root.along),
+                lift: lerp(0.2, 0.16, root.along),
                 fall: 0.10,
                 weight: 0.022,
-                clearance: lerp(1.5, 0.4, root.along),
-                clear_over: lerp(5.5, 3.5, root.along),
+                clearance: lerp(1.5, 0.4, root.along) * (1.0 - 0.45 * front),
+                clear_over: lerp(7.0, 3.5, root.along),
             };
             (flow, growth)
         },
@@ -56,29 +56,31 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
     )?;
     let main = Layer {
         vertices_per_strand: 36,
-        radius_um: 40.0,
+        radius_um: 42.0,
         tip_radius: 0.3,
         style: vec![
-            op(StyleKind::Length { variation: 0.12, strands_per_clump: 700.0 }),
-            op(StyleKind::Length { variation: 0.12, strands_per_clump: 1.0 }),
+            op(StyleKind::Length { variation: 0.10, strands_per_clump: 400.0 }),
+            op(StyleKind::Length { variation: 0.12, strands_per_clump: 40.0 }),
+            op(StyleKind::Length { variation: 0.08, strands_per_clump: 1.0 }),
             StyleOp {
-                strength: 0.6,
+                strength: 0.45,
                 ramp: 0.9,
-                ..op(StyleKind::Clump { strands_per_clump: 700.0, flare: 0.2, stray: 0.5 })
+                ..op(StyleKind::Clump { strands_per_clump: 400.0, flare: 0.25, stray: 0.5 })
             },
             StyleOp {
-                strength: 0.78,
-                ramp: 0.7,
-                ..op(StyleKind::Clump { strands_per_clump: 45.0, flare: 0.3, stray: 0.5 })
+                strength: 0.72,
+                ramp: 0.5,
+                ..op(StyleKind::Clump { strands_per_clump: 40.0, flare: 0.4, stray: 0.6 })
             },
             StyleOp {
                 from: 0.08,
-                ramp: 0.6,
-                ..op(StyleKind::Wave { amplitude: 0.62, wavelength: 5.6, strands_per_clump: 700.0 })
+                ramp: 0.7,
+                ..op(StyleKind::Wave { amplitude: 0.6, wavelength: 6.0, strands_per_clump: 400.0 })
             },
-            StyleOp { ramp: 0.8, ..op(StyleKind::Wave { amplitude: 0.12, wavelength: 3.4, strands_per_clump: 45.0 }) },
-            op(StyleKind::Frizz { amplitude: 0.12, wavelength: 2.2, strands_per_clump: 1.0 }),
-            op(StyleKind::Deviate { share: 0.06, amplitude: 0.9, lift: 0.2 }),
+            StyleOp { ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.16, wavelength: 3.8, strands_per_clump: 40.0 }) },
+            StyleOp { ramp: 0.5, ..op(StyleKind::Frizz { amplitude: 0.16, wavelength: 3.4, strands_per_clump: 40.0 }) },
+            StyleOp { ramp: 0.4, ..op(StyleKind::Frizz { amplitude: 0.08, wavelength: 2.2, strands_per_clump: 1.0 }) },
+            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.2 }),
         ],
         material: HairMaterial {
             eumelanin: 0.4,
@@ -87,14 +89,14 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             colour_variation: 0.2,
             ..HairMaterial::default()
         },
-        ..studio.main_layer(mesh)
+        ..studio.main_layer(&layout, mesh)
     };
     let wave = StyleOp {
         from: 0.08,
         ramp: 0.6,
         ..op(StyleKind::Wave { amplitude: 0.5, wavelength: 5.6, strands_per_clump: 20.0 })
     };
-    let fly_aways = fly_aways(&main, 1.5, vec![wave]);
+    let fly_aways = fly_aways(studio, &main, 1.5, vec![wave]);
     let baby_hairs = studio.baby_hairs(&grid, &main, 2.6)?;
     Ok(Groom { name: "Wavy bob".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
 }

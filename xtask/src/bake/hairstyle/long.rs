@@ -18,8 +18,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         parted: 0.58,
         n_columns: 17,
         n_rows: 6,
-        whorl: 0.5,
-        whorl_radius: 2.5,
+        whorl: 0.9,
+        whorl_radius: 2.8,
     };
     let grid = studio.chart.grid(&layout);
     let mesh = studio.hair_mesh(
@@ -28,17 +28,17 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         |root| {
             let front = smoothstep(0.45, 0.0, root.back);
             // Combed away from the face: the front goes back as well as to the side.
-            let flow = root.flow + vec3(0.0, 0.0, -0.75) * front + vec3(0.0, -0.2, 0.0);
+            let flow = root.flow + vec3(0.0, 0.0, -0.55) * front * lerp(0.35, 1.0, root.along) + vec3(0.0, -0.2, 0.0);
             // Ends hang at one height and are layered: upper rows and the front a little shorter.
-            let end = -24.5 + 3.5 * (1.0 - root.along) + 3.0 * front;
+            let end = -24.5 + 3.5 * (1.0 - root.along) + 4.5 * front * front;
             let down = (root.position.y - end).max(6.0);
             let growth = Growth {
                 length: down * 1.03 + lerp(6.5, 1.0, root.along),
-                lift: lerp(0.30, 0.16, root.along),
+                lift: lerp(0.17, 0.14, root.along),
                 fall: 0.085,
                 weight: 0.018,
-                clearance: lerp(1.05, 0.35, root.along),
-                clear_over: lerp(4.5, 3.0, root.along),
+                clearance: lerp(0.95, 0.35, root.along),
+                clear_over: lerp(7.0, 3.0, root.along),
             };
             (flow, growth)
         },
@@ -46,38 +46,54 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
     )?;
     let main = Layer {
         vertices_per_strand: 32,
-        radius_um: 38.0,
+        radius_um: 42.0,
         tip_radius: 0.3,
         style: vec![
-            op(StyleKind::Length { variation: 0.2, strands_per_clump: 900.0 }),
+            op(StyleKind::Length { variation: 0.14, strands_per_clump: 800.0 }),
+            op(StyleKind::Length { variation: 0.16, strands_per_clump: 40.0 }),
             op(StyleKind::Length { variation: 0.10, strands_per_clump: 1.0 }),
             StyleOp {
-                strength: 0.62,
-                from: 0.02,
-                ramp: 0.8,
-                ..op(StyleKind::Clump { strands_per_clump: 900.0, flare: 0.25, stray: 0.5 })
+                strength: 0.32,
+                from: 0.05,
+                ramp: 1.2,
+                ..op(StyleKind::Clump { strands_per_clump: 800.0, flare: 0.3, stray: 0.5 })
             },
             StyleOp {
-                strength: 0.75,
-                from: 0.0,
-                ramp: 0.7,
-                ..op(StyleKind::Clump { strands_per_clump: 50.0, flare: 0.35, stray: 0.5 })
+                strength: 0.30,
+                ramp: 0.9,
+                ..op(StyleKind::Clump { strands_per_clump: 200.0, flare: 0.3, stray: 0.6 })
             },
-            op(StyleKind::Wave { amplitude: 0.45, wavelength: 11.0, strands_per_clump: 900.0 }),
-            op(StyleKind::Frizz { amplitude: 0.10, wavelength: 3.0, strands_per_clump: 1.0 }),
-            op(StyleKind::Frizz { amplitude: 0.22, wavelength: 6.0, strands_per_clump: 50.0 }),
-            op(StyleKind::Deviate { share: 0.06, amplitude: 1.0, lift: 0.1 }),
+            StyleOp {
+                strength: 0.72,
+                ramp: 0.5,
+                ..op(StyleKind::Clump { strands_per_clump: 40.0, flare: 0.5, stray: 0.7 })
+            },
+            StyleOp {
+                from: 0.1,
+                ramp: 0.8,
+                ..op(StyleKind::Wave { amplitude: 0.75, wavelength: 12.0, strands_per_clump: 800.0 })
+            },
+            StyleOp {
+                ramp: 0.8,
+                ..op(StyleKind::Frizz { amplitude: 0.28, wavelength: 7.0, strands_per_clump: 200.0 })
+            },
+            StyleOp {
+                ramp: 0.45,
+                ..op(StyleKind::Frizz { amplitude: 0.17, wavelength: 4.0, strands_per_clump: 40.0 })
+            },
+            StyleOp { ramp: 0.4, ..op(StyleKind::Frizz { amplitude: 0.07, wavelength: 2.4, strands_per_clump: 1.0 }) },
+            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.1 }),
         ],
         material: HairMaterial {
             eumelanin: 0.8,
             pheomelanin: 0.3,
             tip_lightening: 0.25,
-            colour_variation: 0.2,
+            colour_variation: 0.3,
             ..HairMaterial::default()
         },
-        ..studio.main_layer(mesh)
+        ..studio.main_layer(&layout, mesh)
     };
-    let fly_aways = fly_aways(&main, 1.8, Vec::new());
+    let fly_aways = fly_aways(studio, &main, 1.5, Vec::new());
     let baby_hairs = studio.baby_hairs(&grid, &main, 3.2)?;
     Ok(Groom { name: "Long, straight".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
 }

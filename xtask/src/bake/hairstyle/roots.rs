@@ -15,8 +15,12 @@ use crate::bake::sdf::smoothstep;
 
 /// Side of a density map in texels: 0.1 cm a texel.
 const MAP_SIZE: u32 = 512;
-/// How far each side's roots reach over the parting, centimetres: roots show along it, but no bald stripe.
-const PARTING_OVERLAP: f32 = 0.22;
+/// How far each side's roots reach over the parting on average, centimetres: hair of both sides crosses the
+/// line, so that it shows roots but no bald stripe.
+const PARTING_OVERLAP: f32 = 0.4;
+/// How much denser hair grows along the parting and around the crown than elsewhere: there nothing lies over
+/// it but itself.
+const DENSER: f32 = 2.2;
 
 /// The scalp's chart, its border in order and its scale.
 pub struct ScalpChart {
@@ -143,18 +147,24 @@ impl ScalpChart {
         self.border[i - 1].0.lerp(self.border[i].0, t)
     }
 
+    /// Where on the hairline a measure is least, centimetres from its beginning.
+    fn nearest_border(&self, is: impl Fn(Vec3) -> f32) -> f32 {
+        let i = (0..self.border.len() - 1).min_by(|&a, &b| is(self.border[a].1).total_cmp(&is(self.border[b].1)));
+        self.length_to[i.unwrap_or(0)]
+    }
+
+    /// Where the parting begins, centimetres along the hairline; negative on the right side.
+    fn parting_begin(&self, layout: &Layout) -> f32 {
+        let total = self.length_to[self.length_to.len() - 1];
+        let front = self.nearest_border(|p| (p.x - layout.parting_x).abs() + if p.z > 2.0 { 0.0 } else { 99.0 });
+        if front > 0.5 * total { front - total } else { front }
+    }
+
     /// Lay the grid out.
     pub fn grid(&self, layout: &Layout) -> RootGrid {
-        let nearest_border = |is: &dyn Fn(Vec3) -> f32| {
-            let i = (0..self.border.len() - 1).min_by(|&a, &b| is(self.border[a].1).total_cmp(&is(self.border[b].1)));
-            self.length_to[i.unwrap_or(0)]
-        };
         let total = self.length_to[self.length_to.len() - 1];
-        let mut front = nearest_border(&|p| (p.x - layout.parting_x).abs() + if p.z > 2.0 { 0.0 } else { 99.0 });
-        if front > 0.5 * total {
-            front -= total;
-        }
-        let nape = nearest_border(&|p| p.x.abs() + if p.z < -3.0 { 0.0 } else { 99.0 });
+        let front = self.parting_begin(layout);
+        let nape = self.nearest_border(|p| p.x.abs() + if p.z < -3.0 { 0.0 } else { 99.0 });
         let (front_uv, crown_uv) = (self.border_at(front), self.uv_near(layout.crown));
         let n = layout.n_columns;
         let mut roots = Vec::new();
@@ -171,8 +181,12 @@ impl ScalpChart {
             };
             let end = self.border_at(target);
             // None where the parting ends: a folded face would send its strands anywhere.
-            let overlap =
-                PARTING_OVERLAP * smoothstep(0.0, 0.12, back) * smoothstep(layout.parted, layout.parted - 0.12, back);
+            // From column to column more and less: no hand parts hair along a ruler.
+            let uneven = 0.75 + 0.5 * (2.4 * column as f32).sin();
+            let overlap = PARTING_OVERLAP
+                * uneven
+                * smoothstep(-0.08, 0.1, back)
+                * smoothstep(layout.parted, layout.parted - 0.1, back);
             let begin = if back < layout.parted {
                 let across = (crown_uv - front_uv).perp().normalize() * -side;
                 front_uv.lerp(crown_uv, (back / layout.parted).powf(0.9)) - overlap * self.scale * across
@@ -207,21 +221,33 @@ impl ScalpChart {
         RootGrid { roots, faces }
     }
 
-    /// Hair's density: full inside, thinning over an irregular centimetre to the hairline, sparser at
-    /// the temples.
-    pub fn hair_density(&self) -> ScalpMap {
-        self.map(|p, inside| {
+    /// Hair's density: densest along the parting and at the crown, thinning over an irregular centimetre to
+    /// the hairline, sparser at the temples.
+    pub fn hair_density(&self, layout: &Layout) -> ScalpMap {
+        let (front, crown) = (self.border_at(self.parting_begin(layout)), self.uv_near(layout.crown));
+        let line = crown - front;
+        self.map(|p, uv, inside| {
             let ragged = inside + 0.35 * noise(p * 1.1) + 0.25 * noise(p * 3.1);
             let edge = smoothstep(0.0, 1.0, ragged);
             let temple = 0.35 * smoothstep(2.2, 0.0, inside) * smoothstep(1.0, 4.0, p.z);
             let nape = 0.4 * smoothstep(2.5, 0.0, inside) * smoothstep(-3.5, -6.5, p.y);
-            edge * (1.0 - temple - nape)
+            let on_line = front + ((uv - front).dot(line) / line.length_squared()).clamp(0.0, 1.0) * line;
+            let (from_line, from_crown) = (uv.distance(on_line) / self.scale, uv.distance(crown) / self.scale);
+            let bare = smoothstep(1.3, 0.4, from_line).max(smoothstep(2.6, 0.8, from_crown));
+            edge * (1.0 - temple - nape) * (1.0 + (DENSER - 1.0) * bare) / DENSER
+        })
+    }
+
+    /// Fly-aways' density: none above the face, across which they would hang.
+    pub fn fly_away_density(&self) -> ScalpMap {
+        self.map(|p, _, inside| {
+            smoothstep(0.3, 1.2, inside) * (1.0 - smoothstep(4.5, 2.0, inside) * smoothstep(-1.0, 2.5, p.z))
         })
     }
 
     /// Baby hairs' density: a ragged band along the hairline.
     pub fn baby_density(&self) -> ScalpMap {
-        self.map(|p, inside| {
+        self.map(|p, _, inside| {
             let band =
                 smoothstep(1.5, 0.3, inside + 0.3 * noise(p * 1.7)) * (0.75 + 0.5 * noise(p * 2.3)).clamp(0.1, 1.0);
             let ear = smoothstep(0.4, 0.8, (p.z + 1.7).abs() / 3.0 + if p.y > 3.4 { 1.0 } else { 0.0 });
@@ -229,8 +255,8 @@ impl ScalpChart {
         })
     }
 
-    /// A map from a function of place and distance from the hairline (cm).
-    fn map(&self, density: impl Fn(Vec3, f32) -> f32) -> ScalpMap {
+    /// A map from a function of place, texture coordinates and distance from the hairline (cm).
+    fn map(&self, density: impl Fn(Vec3, Vec2, f32) -> f32) -> ScalpMap {
         let mut texels = vec![0.0f32; (MAP_SIZE * MAP_SIZE) as usize];
         let texel_of = |uv: Vec2| vec2(uv.x, 1.0 - uv.y) * MAP_SIZE as f32 - Vec2::splat(0.5);
         for [a, b, c] in &self.triangles {
@@ -245,7 +271,8 @@ impl ScalpChart {
                         continue;
                     }
                     let p = a.1 + u * (b.1 - a.1) + v * (c.1 - a.1);
-                    texels[(y * MAP_SIZE + x) as usize] = density(p, self.inside(p)).clamp(0.0, 1.0);
+                    let uv = a.0 + u * (b.0 - a.0) + v * (c.0 - a.0);
+                    texels[(y * MAP_SIZE + x) as usize] = density(p, uv, self.inside(p)).clamp(0.0, 1.0);
                 }
             }
         }
