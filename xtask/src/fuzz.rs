@@ -66,7 +66,7 @@ fn run(folder: &Path, host: &str, target: &str, seconds: u32) -> Result<(), Stri
     fuzzer.arg(corpus).arg(folder.join("seeds").join(target));
     fuzzer.arg(format!("-artifact_prefix={}{}", artifacts.display(), std::path::MAIN_SEPARATOR));
     fuzzer.args([&format!("-max_total_time={seconds}"), &format!("-rss_limit_mb={MOST_MEMORY_MIB}")]);
-    fuzzer.args(["-max_len=65536", "-timeout=10", "-verbosity=0", "-print_final_stats=1"]);
+    fuzzer.args(["-max_len=65536", "-timeout=10", "-verbosity=0", "-print_funcs=0", "-print_final_stats=1"]);
     status_of(fuzzer)
 }
 

@@ -18,7 +18,8 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
     source.rewind()?;
     let line_idx = Cell::new(0);
     let read_error = RefCell::new(None);
-    let mut lines = Lines { source, line: Vec::new(), at: 0, line_idx: &line_idx, error: &read_error };
+    let mut lines =
+        Lines { source, line: Vec::new(), at: 0, line_idx: &line_idx, error: &read_error, seen: Seen::default() };
     let options = tobj::LoadOptions { triangulate: true, single_index: true, ..tobj::LoadOptions::default() };
     // Materials say nothing about shape: an empty library stands for every `mtllib`.
     let loaded = tobj::load_obj_buf(&mut lines, &options, |_| Ok(Default::default()));
@@ -101,6 +102,33 @@ struct Lines<'s, 'a> {
     at: usize,
     line_idx: &'s Cell<u64>,
     error: &'s RefCell<Option<ReadError>>,
+    seen: Seen,
+}
+
+/// How many positions, texture coordinates and normals there are so far.
+#[derive(Default)]
+struct Seen([i64; 3]);
+
+impl Seen {
+    /// Count what a line defines; false where it is a face that refers to before the first of them, or to more than
+    /// any file holds. tobj 4.0.5 computes with such an index before it looks whether it is one.
+    fn take(&mut self, line: &str) -> bool {
+        let mut words = line.split_whitespace();
+        match words.next() {
+            Some("v") => self.0[0] += 1,
+            Some("vt") => self.0[1] += 1,
+            Some("vn") => self.0[2] += 1,
+            Some("f" | "l" | "p") => {
+                let is_there = |(index, n): (&str, &i64)| {
+                    // What is no number is refused by tobj.
+                    index.parse::<i64>().map_or(true, |index| index >= -n && index <= i64::from(u32::MAX))
+                };
+                return words.all(|corner| corner.split('/').zip(&self.0).all(is_there));
+            }
+            Some(_) | None => {}
+        }
+        true
+    }
 }
 
 impl BufRead for Lines<'_, '_> {
@@ -111,6 +139,14 @@ impl BufRead for Lines<'_, '_> {
                 Ok(true) => {
                     text.push('\n');
                     self.line_idx.set(self.line_idx.get() + 1);
+                    if !self.seen.take(&text) {
+                        self.error.replace(Some(self.source.corrupt(
+                            Place::Line(self.line_idx.get()),
+                            "has a face with a corner that does not exist",
+                            "Correct the line in a text editor, or export the mesh again",
+                        )));
+                        return Err(io::Error::other("stopped"));
+                    }
                 }
                 Ok(false) => {}
                 Err(error) => {

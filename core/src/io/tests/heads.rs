@@ -149,6 +149,9 @@ fn errors_in_an_obj_name_the_line() {
         ("# x\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 x\n", 5),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", 4),
         ("v 0 0 0\nvt 1\n", 2),
+        // Found by the fuzzer: tobj multiplies such an index before it looks whether it is one.
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/-8 3/1\n", 5),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//9223372036854775807 3//1\n", 5),
     ] {
         let error = read("head.obj", text.as_bytes()).expect_err("a bad line");
         assert!(error.contains(&format!("in line {line}")), "{error}");
