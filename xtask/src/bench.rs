@@ -9,7 +9,7 @@ use std::time::Instant;
 use crate::machine::{self, Needs, binary, root};
 use crate::run::build_release;
 
-const N_ROUNDS: usize = 5;
+const N_ROUNDS: usize = 3;
 const N_STRANDS: i32 = 10_000;
 const N_POINTS: i32 = 16;
 
@@ -22,7 +22,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
     let picture = out.join("bench.png");
     let render = |set: &[&str]| -> Result<(String, f64), String> {
         let mut command = Command::new(binary("release", "lorelei"));
-        command.args(["render", "--json", "--repeat", "3", "--out"]).arg(&picture);
+        command.args(["render", "--json", "--repeat", "2", "--out"]).arg(&picture);
         for pair in set {
             command.args(["--set", pair]);
         }
@@ -36,7 +36,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
     };
 
     println!(
-        "Compute path against ribbon path, the same frame, alternating ({N_ROUNDS} rounds, median of 3 frames each):"
+        "Compute path against ribbon path, the same frame, alternating ({N_ROUNDS} rounds, median of 2 frames each):"
     );
     let (mut compute, mut ribbons, mut adapter) = (Times::default(), Times::default(), String::new());
     for _ in 0..N_ROUNDS {

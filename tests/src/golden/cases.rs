@@ -6,7 +6,7 @@ use glam::{Affine3A, Vec3};
 use image::RgbaImage;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, HairMaterial};
-use lorelei_core::look::{Look, Slot};
+use lorelei_core::look::{Look, Slot, Transparency};
 use lorelei_render::{FrameInput, Renderer};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
@@ -25,6 +25,11 @@ impl Case {
     /// Its picture in `folder`.
     pub fn path(&self, folder: &Path) -> PathBuf {
         folder.join(format!("{}.png", self.name.replace('=', "-is-")))
+    }
+
+    /// Pixels mix the strands that touch them.
+    pub fn is_blended(&self) -> bool {
+        self.groom().look.transparency != Transparency::Opaque
     }
 
     fn groom(&self) -> Groom {

@@ -42,7 +42,8 @@ pub struct Outcome {
 
 impl Outcome {
     pub fn is_within(&self) -> bool {
-        self.difference.as_ref().is_ok_and(Difference::is_within)
+        let is_blended = self.case.is_blended();
+        self.difference.as_ref().is_ok_and(|difference| difference.is_within(is_blended))
     }
 }
 
