@@ -92,6 +92,18 @@ impl StyleKind {
         }
     }
 
+    /// As many clumps for a share of the strands.
+    pub fn scale_clumps(&mut self, share: f32) {
+        match self {
+            Self::Length { strands_per_clump, .. }
+            | Self::Clump { strands_per_clump, .. }
+            | Self::Wave { strands_per_clump, .. }
+            | Self::Curl { strands_per_clump, .. }
+            | Self::Frizz { strands_per_clump, .. } => *strands_per_clump = (*strands_per_clump * share).max(1.0),
+            Self::Deviate { .. } => {}
+        }
+    }
+
     /// How many strands share the operator's random numbers; at least 1.
     pub fn strands_per_clump(self) -> f32 {
         match self {

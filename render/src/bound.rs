@@ -40,6 +40,28 @@ static N_PLACES: AtomicU64 = AtomicU64::new(0);
 impl Bound {
     /// Bind a groom; what is bound alike in `self` is kept. `None` where it was cancelled.
     pub fn update(&self, groom: &Groom, watch: Watch<'_>) -> Option<Self> {
+        self.update_with(groom, watch, true)
+    }
+
+    /// Something to look at while a groom is bound for the first time: about `n_strands` of its strands, wider,
+    /// and not kept out of the head. `None` where that would take as long: imported strands, or few.
+    pub fn preview(groom: &Groom, n_strands: usize) -> Option<(Groom, Self)> {
+        let share = n_strands as f32 / groom.n_strands().max(1) as f32;
+        let is_made = |layer: &Layer| !matches!(layer.source, Source::Strands(_));
+        if share > 0.5 || !groom.layers.iter().all(is_made) {
+            return None;
+        }
+        let mut thin = groom.clone();
+        for layer in &mut thin.layers {
+            layer.n_strands = (layer.n_strands as f32 * share).ceil() as u32;
+            layer.radius_um /= share;
+            layer.style.iter_mut().for_each(|op| op.kind.scale_clumps(share));
+        }
+        let bound = Self::default().update_with(&thin, Watch::default(), false)?;
+        Some((thin, bound))
+    }
+
+    fn update_with(&self, groom: &Groom, watch: Watch<'_>, has_field: bool) -> Option<Self> {
         let mut warnings = Vec::new();
         let is_same_head = self.has_head_of(groom);
         let known: Vec<Option<&BoundLayer>> =
@@ -51,7 +73,11 @@ impl Bound {
         let field_cost = if is_same_head { 0.0 } else { FIELD_SHARE };
         let all: f32 = groom.layers.iter().zip(&known).map(|(layer, known)| cost_of(layer, *known)).sum();
         let all = (all + field_cost).max(1e-6);
-        let field = if is_same_head { self.field.clone() } else { field_of(groom.head.as_ref(), &mut warnings) };
+        let field = match is_same_head {
+            true => self.field.clone(),
+            false if has_field => field_of(groom.head.as_ref(), &mut warnings),
+            false => None,
+        };
         let mut done = field_cost;
         let mut layers = Vec::with_capacity(groom.layers.len());
         for (layer, known) in groom.layers.iter().zip(known) {

@@ -39,6 +39,18 @@ struct Arguments {
     /// Draw on the window's device even where its driver is software: for tests.
     #[arg(long, hide = true)]
     share_gpu: bool,
+    /// Go on with what a window that ended badly has kept.
+    #[arg(long, value_name = "FILE", hide = true)]
+    recovered: Option<PathBuf>,
+    /// The file that it belongs to.
+    #[arg(long, value_name = "FILE", hide = true)]
+    recovered_path: Option<PathBuf>,
+    /// Windows that ended badly, one after the other.
+    #[arg(long, value_name = "N", hide = true, default_value_t = 0)]
+    losses: u32,
+    /// Seconds between two writes of unsaved changes.
+    #[arg(long, value_name = "S", hide = true, default_value_t = 60)]
+    autosave: u64,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -95,12 +107,16 @@ pub fn run() -> ExitCode {
         Some(Command::Looks(arguments)) => looks::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
         Some(Command::Convert(arguments)) => convert::run(&arguments),
-        None => window::open(window::StartOptions {
+        None => window::open(&window::StartOptions {
             file: arguments.file,
             head: arguments.head,
             report_state: arguments.report_state,
             data_folder: arguments.data_folder,
             share_gpu: arguments.share_gpu,
+            recovered: arguments.recovered,
+            recovered_path: arguments.recovered_path,
+            n_losses: arguments.losses,
+            autosave: std::time::Duration::from_secs(arguments.autosave),
             started,
         })
         .map_err(CliError::failed),

@@ -223,6 +223,9 @@ impl Drop for StageThread {
     }
 }
 
+/// On stage instead of a groom's own state while a preview is.
+const PREVIEW: State = (u64::MAX, 0);
+
 /// Longest time that one frame moves the hair on: after a stall it goes on from where it was.
 const LONGEST_FRAME_SECS: f32 = 0.1;
 /// A full frame is announced once the last one took longer than this.
@@ -253,8 +256,12 @@ struct Worker {
     stage: Making,
     pacer: Pacer,
     binder: Option<Binder>,
+    /// What the newest groom is bound to; it outlives the GPU.
+    bound: Bound,
     /// The groom on the stage; `None` before the first.
     on_stage: Option<State>,
+    /// Share of the strands, while a preview is on stage.
+    preview: Option<f32>,
     /// Cancelled, or too large: not tried again.
     refused: Option<State>,
     seen: u64,
@@ -272,7 +279,9 @@ impl Worker {
             stage: Making::Failed,
             pacer: Pacer::new(is_software),
             binder: None,
+            bound: Bound::default(),
             on_stage: None,
+            preview: None,
             refused: None,
             seen: 0,
             drawn: None,
@@ -373,6 +382,11 @@ impl Worker {
             if std::mem::take(&mut mailbox.should_cancel) && self.binder.is_some() {
                 return Event::Cancel;
             }
+            if self.binder.as_ref().is_some_and(Binder::has_ended) {
+                // It delivers before it ends, so it has panicked: try again.
+                self.binder = None;
+                self.seen = 0;
+            }
             if let Some(binder) = &self.binder {
                 let share = binder.share();
                 mailbox.report.busy = Some(Busy { what: "Preparing strands", share: Some(share), can_cancel: true });
@@ -383,7 +397,7 @@ impl Worker {
                     self.seen = mailbox.n_requests;
                     return Event::Draw(request.clone(), is_new);
                 }
-                if self.pacer.wants_full() && self.drawn.is_some() {
+                if self.pacer.wants_full() && self.drawn.is_some() && self.preview.is_none() {
                     let wait = self.pacer.rest_left(Instant::now());
                     // The binder needs the processors more than a picture of the groom before it does.
                     if wait.is_zero() && !request.is_interacting && self.binder.is_none() {
@@ -405,7 +419,12 @@ impl Worker {
                     continue;
                 }
             }
-            mailbox = self.shared.posted.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
+            if self.binder.is_some() {
+                let waited = self.shared.posted.wait_timeout(mailbox, Duration::from_millis(200));
+                mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
+            } else {
+                mailbox = self.shared.posted.wait(mailbox).unwrap_or_else(PoisonError::into_inner);
+            }
         }
     }
 
@@ -415,11 +434,8 @@ impl Worker {
         if self.on_stage == state || self.refused == state || self.binder.is_some() {
             return;
         }
-        let known = match &self.stage {
-            Making::Ready(stage) => stage.bound().clone(),
-            Making::Compiling(_) | Making::Failed => Bound::default(),
-        };
-        if self.on_stage.is_some() && !known.is_behind(&request.groom) {
+        let known = self.bound.clone();
+        if !known.is_behind(&request.groom) {
             // Nothing to compute: a look, a light, a width.
             let bound = known.update(&request.groom, lorelei_core::io::Watch::default()).unwrap_or_default();
             self.put_on_stage(request.state, &request.groom, bound);
@@ -431,13 +447,17 @@ impl Worker {
             request.state,
             request.groom.clone(),
             known,
+            self.on_stage.is_none(),
             move || {
                 on_progress.posted.notify_one();
                 (on_progress.wake_window)();
             },
             move |binding| {
                 let mut mailbox = on_done.lock();
-                mailbox.report.start.bind = start.elapsed();
+                if binding.preview.is_none() {
+                    mailbox.report.start.bind = start.elapsed();
+                }
+                // A preview that was not taken yet is not needed any more.
                 mailbox.bound = Some(binding);
                 drop(mailbox);
                 on_done.posted.notify_one();
@@ -473,12 +493,21 @@ impl Worker {
         if self.binder.as_ref().is_none_or(|binder| binder.state != binding.state) {
             return;
         }
-        self.binder = None;
         self.seen = 0;
+        self.preview = binding.preview;
+        if self.preview.is_none() {
+            self.binder = None;
+        }
         if matches!(self.stage, Making::Compiling(_)) {
             self.shared.publish(|report| report.busy = Some(Busy::with("Compiling shaders")));
         }
-        self.put_on_stage(binding.state, &binding.groom, binding.bound);
+        // A preview is no groom that anybody asks for: the groom itself is still to come.
+        let state = if self.preview.is_some() { PREVIEW } else { binding.state };
+        let known = self.bound.clone();
+        self.put_on_stage(state, &binding.groom, binding.bound);
+        if self.preview.is_some() {
+            self.bound = known;
+        }
         self.shared.publish(|report| report.busy = None);
     }
 
@@ -487,8 +516,10 @@ impl Worker {
             self.refused = Some(state);
             return;
         };
+        let kept = bound.clone();
         match stage.set_bound(groom, bound) {
             Ok(warnings) => {
+                self.bound = kept;
                 self.on_stage = Some(state);
                 self.refused = None;
                 self.shared.publish(|report| report.warnings.extend(warnings));
@@ -502,7 +533,11 @@ impl Worker {
 
     /// Draw a frame; false where nothing more can be drawn.
     fn draw(&mut self, request: FrameRequest, is_new: bool) -> bool {
-        let detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new);
+        let mut detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new);
+        if self.preview.is_some() {
+            // It is thin already.
+            detail.lod = 1.0;
+        }
         let now = Instant::now();
         let dt_secs = self.pacer.tick(now, request.playback.is_playing).min(LONGEST_FRAME_SECS);
         if detail.is_full() && self.pacer.expects_ms() > ANNOUNCED_MS {
@@ -523,24 +558,27 @@ impl Worker {
         let is_lost = stage.is_lost();
         let mut news = FrameReport::default();
         stage.describe(&mut news);
-        self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
+        if self.preview.is_none() {
+            self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
+        }
+        let lod = self.preview.unwrap_or(detail.lod);
         let is_first = self.start.picture.is_zero();
         if is_first {
             self.start.first_frame = now.elapsed();
             self.start.picture = self.gpu.started.elapsed();
         }
-        let start = self.start;
+        let (start, has_own) = (self.start, self.gpu.has_own);
         self.shared.publish(|report| {
             report.frame_idx += 1;
             report.state = state;
             report.camera = Some(request.camera);
             report.size = request.size;
-            report.lod = detail.lod;
+            report.lod = lod;
             report.coarseness = detail.coarseness;
             report.frame_ms = frame_ms;
             report.is_refining = false;
             report.is_still = detail.is_full() && !request.playback.is_playing && state == request.state;
-            report.is_lost = is_lost;
+            report.is_lost = is_lost && !has_own;
             report.start = StartTimes { bind: report.start.bind, ..start };
             report.errors.extend(result.err().filter(|_| !is_lost).map(|why| why.to_string()));
             match picture {

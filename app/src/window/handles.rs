@@ -74,6 +74,7 @@ pub fn lights(ui: &mut Ui, desk: &mut Desk, projection: Projection, drag: &mut H
         let is_selected = selected == Selection::Light(light_idx);
         let id = ui.scope_id().with(("light", light_idx));
         let response = ui.interact(Rect::from_center_size(at, vec2(24.0, 24.0)), id, Sense::click_and_drag());
+        super::state_report::mark(ui.ctx(), || format!("light {}", light.name), response.rect);
         let is_active = response.hovered() || response.dragged();
         disc(ui, at, projection.point(centre), &light, is_behind, is_selected, is_active);
         if response.clicked() || response.drag_started() {

@@ -65,14 +65,14 @@ pub fn default_layout() -> Tree<Panel> {
         }
         tiles.insert_container(Container::Linear(linear))
     };
-    let left = column(&[&[Panel::Outliner], &[Panel::Properties]], &[0.36, 0.64]);
+    let left = column(&[&[Panel::Outliner], &[Panel::Properties]], &[0.4, 0.6]);
     let right = column(
         &[&[Panel::Look, Panel::Lights, Panel::Simulation], &[Panel::Statistics, Panel::History]],
         &[0.64, 0.36],
     );
     let viewport = tiles.insert_pane(Panel::Viewport);
     let mut all = Linear::new(LinearDir::Horizontal, vec![left, viewport, right]);
-    for (child, share) in [(left, 0.205), (viewport, 0.565), (right, 0.23)] {
+    for (child, share) in [(left, 0.23), (viewport, 0.52), (right, 0.25)] {
         all.shares.set_share(child, share);
     }
     let root = tiles.insert_container(Container::Linear(all));
@@ -115,6 +115,13 @@ impl egui_tiles::Behavior<Panel> for Behavior<'_> {
             });
         });
         UiResponse::None
+    }
+
+    fn on_tab_button(&mut self, tiles: &mut Tiles<Panel>, tile_id: TileId, button: egui::Response) -> egui::Response {
+        if let Some(Tile::Pane(panel)) = tiles.get(tile_id) {
+            super::state_report::mark(&button.ctx, || format!("tab {}", panel.title()), button.rect);
+        }
+        button.on_hover_text("Drag it to move the panel")
     }
 
     fn tab_title_for_pane(&mut self, panel: &Panel) -> WidgetText {

@@ -98,16 +98,14 @@ pub struct Studio {
     before: Option<(Document, Camera)>,
     n_losses: u64,
     n_replaced: u32,
+    kept_state: Option<(u64, u64)>,
+    /// The file that a recovered document belongs to.
+    recovered_path: Option<std::path::PathBuf>,
     clock: UiClock,
 }
 
 impl Studio {
-    fn new(
-        context: &eframe::CreationContext<'_>,
-        options: StartOptions,
-        is_after_loss: bool,
-        handover: Handover,
-    ) -> Result<Self, String> {
+    fn new(context: &eframe::CreationContext<'_>, options: StartOptions, handover: Handover) -> Result<Self, String> {
         theme::install(&context.egui_ctx);
         let mut notices = Notices::default();
         let mut settings: Settings =
@@ -132,20 +130,21 @@ impl Studio {
             .data_folder
             .clone()
             .or_else(|| directories::ProjectDirs::from("", "", "lorelei").map(|dirs| dirs.data_local_dir().to_owned()));
-        let recovery = data_folder.and_then(|folder| match Recovery::new(folder.join("recovery")) {
+        let recovery = data_folder.and_then(|folder| match Recovery::new(folder.join("recovery"), options.autosave) {
             Ok(recovery) => Some(recovery),
             Err(why) => {
                 notices.push(Severity::Warning, "No autosave", format!("The recovery folder cannot be used: {why}"));
                 None
             }
         });
+        let is_after_loss = options.recovered.is_some();
         let question = recovery.as_ref().filter(|recovery| !recovery.left.is_empty() && !is_after_loss);
         let question = question.map(|_| Question::Recover);
         if is_after_loss {
             notices.push(
                 Severity::Error,
                 "The GPU was lost",
-                "A new window was opened and your groom is here. Save it. If this happens again, fewer strands or a smaller shadow map may help.",
+                "A new window was opened and your groom is here. Save it. If this happens again, use fewer strands or a smaller shadow map.",
             );
         }
         let desk = Desk { notices, settings, ..Desk::default() };
@@ -174,8 +173,18 @@ impl Studio {
             before: None,
             n_losses: 0,
             n_replaced: 0,
+            kept_state: None,
+            recovered_path: None,
             clock: UiClock::default(),
         };
+        if let Some(recovery) = &studio.recovery {
+            lock(&studio.handover).file = Some(recovery.file_for_loss());
+        }
+        if let Some(kept) = &options.recovered {
+            studio.recovered_path = options.recovered_path;
+            studio.recover(&context.egui_ctx, kept);
+            return Ok(studio);
+        }
         match options.file {
             Some(path) => studio.start_opening(&context.egui_ctx, &path, options.head),
             None => studio.start_default(&context.egui_ctx),
@@ -242,8 +251,10 @@ impl Studio {
                 self.desk.document = before;
                 self.desk.camera = camera;
             }
-            None if self.desk.report.frame_idx == 0 => {
+            None if !self.desk.document.history.can_undo() => {
                 self.desk.document = Document::default();
+                self.viewport.texture = None;
+                self.shown_texture = None;
                 let what_next = "File > New, Open or Open recent go on from here.";
                 self.desk.notices.push(Severity::Info, "Nothing was opened", what_next);
             }
@@ -294,9 +305,12 @@ impl Studio {
                     self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
                 }
                 Done::Recovered { groom } => {
-                    self.show_document(*groom, None, true);
+                    let path = self.recovered_path.take();
+                    self.show_document(*groom, path, true);
+                    self.keep_now();
                     if let Some(recovery) = &mut self.recovery {
                         recovery.forget_left();
+                        recovery.forget_loss();
                     }
                 }
                 Done::Exported { path, notes } => {
@@ -428,21 +442,20 @@ impl Studio {
         }
     }
 
-    /// The GPU is gone: keep the groom, end this window, and let a new one open it.
+    /// The GPU is gone: end this window; [`start::open`] keeps the groom and opens another.
     fn hand_over(&mut self, ctx: &egui::Context) {
-        let Some(recovery) = &self.recovery else { return };
-        if self.may_close {
-            return;
-        }
-        match recovery.write_now(&self.desk.document.groom) {
-            Ok(path) => {
-                let mut handover = self.handover.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                *handover = Some(path);
-                drop(handover);
-                self.may_close = true;
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-            Err(why) => self.desk.notices.error("The GPU was lost and the groom could not be kept", why),
+        lock(&self.handover).is_lost = true;
+        self.may_close = true;
+        ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+
+    /// Leave the document where it is found if the window ends badly.
+    fn keep_for_loss(&mut self) {
+        let state = self.desk.document.state();
+        if self.kept_state != Some(state) && !self.desk.document.is_none() {
+            self.kept_state = Some(state);
+            let document = &self.desk.document;
+            lock(&self.handover).latest = Some((document.groom.clone(), document.path.clone()));
         }
     }
 
@@ -496,7 +509,9 @@ impl Studio {
                         let fill = if i == 0 { theme::ACCENT_DIM } else { theme::CONTROL };
                         let text = egui::RichText::new(label).color(theme::TEXT_STRONG);
                         let button = egui::Button::new(text).fill(fill).min_size(egui::vec2(90.0, 28.0));
-                        if ui.add(button).clicked() {
+                        let button = ui.add(button);
+                        state_report::mark(ctx, || format!("answer {i}"), button.rect);
+                        if button.clicked() {
                             pressed = Some(i);
                         }
                     }
@@ -592,6 +607,10 @@ impl Studio {
     }
 }
 
+fn lock(handover: &Handover) -> std::sync::MutexGuard<'_, start::Kept> {
+    handover.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
 impl eframe::App for Studio {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
@@ -634,6 +653,7 @@ impl eframe::App for Studio {
         }
         self.desk.clamp_selection();
         self.autosave();
+        self.keep_for_loss();
         self.post();
         self.show_title(&ctx);
         if self.viewport.is_interacting {
@@ -659,7 +679,7 @@ impl eframe::App for Studio {
     }
 
     fn on_exit(&mut self) {
-        let was_lost = self.handover.lock().unwrap_or_else(std::sync::PoisonError::into_inner).is_some();
+        let was_lost = lock(&self.handover).is_lost;
         if let Some(recovery) = &mut self.recovery
             && !was_lost
         {

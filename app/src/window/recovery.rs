@@ -6,9 +6,6 @@ use std::time::{Duration, Instant};
 
 use lorelei_core::groom::Groom;
 
-/// Between two writes of unsaved changes.
-const INTERVAL: Duration = Duration::from_mins(1);
-
 /// This run's recovery file, and what a crashed run left.
 pub struct Recovery {
     folder: PathBuf,
@@ -17,11 +14,13 @@ pub struct Recovery {
     pub left: Vec<PathBuf>,
     last_write: Instant,
     written_state: Option<(u64, u64)>,
+    /// Between two writes of unsaved changes.
+    interval: Duration,
 }
 
 impl Recovery {
     /// Look for files of earlier runs in a folder. Those of studios that still run are left alone.
-    pub fn new(folder: PathBuf) -> std::io::Result<Self> {
+    pub fn new(folder: PathBuf, interval: Duration) -> std::io::Result<Self> {
         std::fs::create_dir_all(&folder)?;
         let own = folder.join(format!("{}.lorelei", std::process::id()));
         let mut left = Vec::new();
@@ -35,12 +34,12 @@ impl Recovery {
         }
         left.sort();
         let left = left.into_iter().rev().map(|(_, path)| path).collect();
-        Ok(Self { folder, own, left, last_write: Instant::now(), written_state: None })
+        Ok(Self { folder, own, left, last_write: Instant::now(), written_state: None, interval })
     }
 
     /// Whether unsaved changes should be written now.
     pub fn is_due(&self, state: (u64, u64), is_unsaved: bool) -> bool {
-        is_unsaved && self.written_state != Some(state) && self.last_write.elapsed() >= INTERVAL
+        is_unsaved && self.written_state != Some(state) && self.last_write.elapsed() >= self.interval
     }
 
     /// Write on a thread; a failure is logged, the next minute tries again.
@@ -55,10 +54,16 @@ impl Recovery {
         });
     }
 
-    /// Write before going on: the studio is about to end badly.
-    pub fn write_now(&self, groom: &Groom) -> Result<PathBuf, lorelei_core::document::DocumentError> {
-        let path = self.folder.join("lost-gpu.lorelei");
-        lorelei_core::document::save(groom, &path).map(|()| path)
+    /// Where a window that ends badly leaves its groom: offered like what a crash left, should nobody go on.
+    pub fn file_for_loss(&self) -> PathBuf {
+        self.folder.join("lost-gpu.lorelei")
+    }
+
+    /// The new window has it: it is not offered again.
+    pub fn forget_loss(&mut self) {
+        let file = self.file_for_loss();
+        self.left.retain(|path| *path != file);
+        remove(&file);
     }
 
     /// The document was saved or thrown away on purpose: nothing is to be recovered.
@@ -101,7 +106,7 @@ mod tests {
         std::fs::write(&dead, b"x").unwrap();
         let own = folder.path().join(format!("{}.lorelei", std::process::id()));
         std::fs::write(&own, b"x").unwrap();
-        let mut recovery = Recovery::new(folder.path().to_owned()).unwrap();
+        let mut recovery = Recovery::new(folder.path().to_owned(), Duration::ZERO).unwrap();
         assert_eq!(recovery.left, std::slice::from_ref(&dead));
         recovery.forget_left();
         assert!(!dead.exists() && own.exists());

@@ -1,10 +1,12 @@
-//! Opening the window: eframe with the features and limits that the renderer wants, and once more from
-//! the start where the GPU was lost.
+//! Opening the window: eframe with the features and limits that the renderer wants; and once more, in a new
+//! process, where it ended badly: the GPU was lost.
 
-use std::path::PathBuf;
+use std::panic::AssertUnwindSafe;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use lorelei_core::groom::Groom;
 use lorelei_shaders::Gpu;
 
 use super::Studio;
@@ -20,6 +22,13 @@ pub struct StartOptions {
     pub data_folder: Option<PathBuf>,
     /// Draw on the window's device even where its driver is software, for tests.
     pub share_gpu: bool,
+    /// What a window that ended badly had open, and the file that it belongs to.
+    pub recovered: Option<PathBuf>,
+    pub recovered_path: Option<PathBuf>,
+    /// Windows that ended badly, one after the other.
+    pub n_losses: u32,
+    /// Between two writes of unsaved changes.
+    pub autosave: Duration,
     /// When the program started.
     pub started: Instant,
 }
@@ -31,36 +40,77 @@ pub enum WindowError {
         "the window could not be opened: {0}\nA display and a Vulkan, Metal or DirectX 12 driver are needed; `lorelei render` needs no display"
     )]
     Eframe(String),
-    #[error("the GPU was lost {0} times in a row; the groom was kept at {1}")]
+    #[error("the GPU was lost {0} times in a row; the groom was kept at {1}: open it when the driver works again")]
     GpuLost(u32, String),
+    #[error("the window ended unexpectedly; what was changed is offered at the next start")]
+    Ended,
+    #[error("the window ended unexpectedly, and the groom could not be kept: {0}")]
+    NotKept(String),
+    #[error("the window ended unexpectedly, and no new one could be opened: {1}\nThe groom was kept at {0}")]
+    NotAgain(String, std::io::Error),
 }
 
-/// A window that ended because the GPU was lost leaves here what to go on with.
-pub type Handover = Arc<Mutex<Option<PathBuf>>>;
+/// What a window that ends badly leaves to go on with.
+#[derive(Debug, Default)]
+pub struct Kept {
+    /// The document as it is, with its file; renewed by every change.
+    pub latest: Option<(Groom, Option<PathBuf>)>,
+    /// Where it is written; `None` where nothing can be kept.
+    pub file: Option<PathBuf>,
+    /// The window ended because the GPU was lost.
+    pub is_lost: bool,
+}
 
-/// Times that a new window is opened after the GPU was lost.
+pub type Handover = Arc<Mutex<Kept>>;
+
+/// Times that a new window is opened after one that ended badly.
 const MAX_LOSSES: u32 = 3;
 
 /// Open the window; returns when it was closed.
-pub fn open(options: StartOptions) -> Result<(), WindowError> {
-    let mut options = options;
-    for n_losses in 0..=MAX_LOSSES {
-        let handover = Handover::default();
-        run_once(options.clone(), n_losses > 0, Arc::clone(&handover))?;
-        let kept = handover.lock().unwrap_or_else(PoisonError::into_inner).take();
-        match kept {
-            None => return Ok(()),
-            Some(path) => {
-                options.file = Some(path);
-                options.started = Instant::now();
-            }
-        }
+pub fn open(options: &StartOptions) -> Result<(), WindowError> {
+    let handover = Handover::default();
+    let n_losses = options.n_losses;
+    let theirs = (options.clone(), Arc::clone(&handover));
+    // Painting on a lost device panics inside egui's renderer.
+    let ended = std::panic::catch_unwind(AssertUnwindSafe(move || run_once(theirs.0, theirs.1)));
+    let kept = std::mem::take(&mut *handover.lock().unwrap_or_else(PoisonError::into_inner));
+    match ended {
+        Ok(result) if !kept.is_lost => return result,
+        Ok(_) | Err(_) => {}
     }
-    let kept = options.file.unwrap_or_default();
-    Err(WindowError::GpuLost(MAX_LOSSES + 1, kept.display().to_string()))
+    let Some(((groom, path), file)) = kept.latest.zip(kept.file) else { return Err(WindowError::Ended) };
+    lorelei_core::document::save(&groom, &file).map_err(|why| WindowError::NotKept(why.to_string()))?;
+    if n_losses >= MAX_LOSSES {
+        return Err(WindowError::GpuLost(n_losses + 1, file.display().to_string()));
+    }
+    open_again(options, path.as_deref(), &file)
 }
 
-fn run_once(options: StartOptions, is_after_loss: bool, handover: Handover) -> Result<(), WindowError> {
+/// Go on in a new process: a process has one event loop, and after a panic nothing of it can be trusted.
+fn open_again(options: &StartOptions, path: Option<&Path>, kept: &Path) -> Result<(), WindowError> {
+    let failed = |why: std::io::Error| WindowError::NotAgain(kept.display().to_string(), why);
+    let mut command = std::process::Command::new(std::env::current_exe().map_err(failed)?);
+    command.arg("--recovered").arg(kept).arg("--losses").arg((options.n_losses + 1).to_string());
+    for (name, value) in [
+        ("--report-state", options.report_state.as_deref()),
+        ("--data-folder", options.data_folder.as_deref()),
+        ("--recovered-path", path),
+    ] {
+        if let Some(value) = value {
+            command.arg(name).arg(value);
+        }
+    }
+    if options.share_gpu {
+        command.arg("--share-gpu");
+    }
+    match command.status() {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) => Err(WindowError::Ended),
+        Err(why) => Err(failed(why)),
+    }
+}
+
+fn run_once(options: StartOptions, handover: Handover) -> Result<(), WindowError> {
     let mut setup = egui_wgpu_setup();
     if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
         new.device_descriptor = Arc::new(Gpu::device_descriptor);
@@ -79,8 +129,7 @@ fn run_once(options: StartOptions, is_after_loss: bool, handover: Handover) -> R
         ..eframe::NativeOptions::default()
     };
     native.wgpu_options.wgpu_setup = setup;
-    let make: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(Studio::new(context, options, is_after_loss, handover)?)));
+    let make: eframe::AppCreator<'_> = Box::new(move |context| Ok(Box::new(Studio::new(context, options, handover)?)));
     eframe::run_native("Lorelei", native, make).map_err(|why| WindowError::Eframe(why.to_string()))
 }
 

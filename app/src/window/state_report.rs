@@ -1,6 +1,7 @@
 //! What the window is doing, as lines of JSON in a file (`--report-state FILE`), so that a test waits for a
 //! state instead of for a time.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -22,7 +23,12 @@ impl StateReport {
 
     /// Append the state to the file where it is news.
     pub fn write(&mut self, studio: &Studio, ctx: &egui::Context) -> std::io::Result<()> {
-        let state = describe(studio, ctx, &ctx.input(Clone::clone)).to_string();
+        let marks: Marks = ctx.data_mut(|data| {
+            let marks = data.get_temp(marks_id()).unwrap_or_default();
+            data.insert_temp(marks_id(), Marks::new());
+            marks
+        });
+        let state = describe(studio, ctx, &ctx.input(Clone::clone), &marks).to_string();
         if state == self.last {
             return Ok(());
         }
@@ -31,6 +37,23 @@ impl StateReport {
         self.last = state;
         Ok(())
     }
+}
+
+/// Where controls are, by name, in this frame.
+type Marks = BTreeMap<String, [f32; 4]>;
+
+fn marks_id() -> egui::Id {
+    egui::Id::unique("marks of the state report")
+}
+
+/// Tell the state report where a control is; nothing happens where none is written.
+pub fn mark(ctx: &egui::Context, name: impl FnOnce() -> String, rect: egui::Rect) {
+    ctx.data_mut(|data| {
+        if let Some(mut marks) = data.get_temp::<Marks>(marks_id()) {
+            marks.insert(name(), [rect.left(), rect.top(), rect.right(), rect.bottom()]);
+            data.insert_temp(marks_id(), marks);
+        }
+    });
 }
 
 /// How evenly the window's own frames come while it draws one after the other.
@@ -68,7 +91,7 @@ impl UiClock {
     }
 }
 
-fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState) -> serde_json::Value {
+fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, marks: &Marks) -> serde_json::Value {
     let desk = &studio.desk;
     let groom = &desk.document.groom;
     let report = &desk.report;
@@ -94,6 +117,13 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState) -> s
         "lod": report.lod,
         "strands": report.n_strands,
         "frame_ms": report.frame_ms,
+        "marks": marks,
+        "target": desk.camera.target.to_array(),
+        "lights": groom.lights.iter().map(|light| light.direction_to(desk.centre()).to_array()).collect::<Vec<_>>(),
+        "radius_um": groom.layers.first().map(|layer| layer.radius_um),
+        "recent": desk.settings.recent,
+        "layout": ron::to_string(&desk.settings.layout).unwrap_or_default(),
+        "shortcuts": studio.shows_shortcuts,
         "coarseness": report.coarseness,
         "ui_ms": [studio.clock.intervals_ms().0, studio.clock.intervals_ms().1],
         "replaced": report.n_replaced,

@@ -10,6 +10,7 @@ use egui::{Align, Align2, Key, Layout, RichText, Sense, Ui, vec2};
 
 use super::choose::{Choice, Purpose};
 use super::listing::{self, Entry, Listing, Order};
+use crate::window::state_report::mark;
 use crate::window::theme;
 
 /// An open dialog.
@@ -148,7 +149,8 @@ impl FileDialog {
             let field = egui::TextEdit::singleline(&mut self.path_text)
                 .desired_width(f32::INFINITY)
                 .margin(egui::Margin::symmetric(6, 4));
-            let field = ui.add(field);
+            let field = ui.add(field).on_hover_text("Type or paste a path");
+            mark(ui.ctx(), || "dialog path".to_owned(), field.rect);
             if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
                 let typed = expand_home(self.path_text.trim());
                 if typed.is_dir() {
@@ -328,7 +330,9 @@ impl FileDialog {
                 let button = egui::Button::new(RichText::new(verb).color(theme::TEXT_STRONG))
                     .fill(theme::ACCENT_DIM)
                     .min_size(vec2(76.0, 26.0));
-                if ui.add_enabled(can_accept, button).clicked() {
+                let accept = ui.add_enabled(can_accept, button);
+                mark(ui.ctx(), || "dialog accept".to_owned(), accept.rect);
+                if accept.clicked() {
                     answer = self.accept().or(answer.take());
                 }
                 if ui.add(egui::Button::new("Cancel").min_size(vec2(76.0, 26.0))).clicked() {

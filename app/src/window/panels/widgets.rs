@@ -9,6 +9,7 @@ use std::hash::{Hash, Hasher};
 use egui::{Align2, Color32, DragValue, Response, RichText, Sense, Ui, vec2};
 use lorelei_core::look::{Param, ParamValue, Slot};
 
+use crate::window::state_report::mark;
 use crate::window::theme;
 
 /// That a control was used, on what, and in which drag.
@@ -41,7 +42,7 @@ impl Change {
 const LONGEST_UNIT: usize = 6;
 
 /// Share of a row that its name takes.
-const NAME_SHARE: f32 = 0.47;
+const NAME_SHARE: f32 = 0.5;
 
 /// A name and the space for a control; returns whether the name was double-clicked, and the control's value.
 pub fn form_row<R>(
@@ -85,6 +86,7 @@ fn noted_row<R>(
             let mark = egui::Rect::from_center_size(rect.left_center() + vec2(2.0, 0.0), vec2(3.0, 12.0));
             ui.painter().rect_filled(mark, 1.5, theme::ACCENT);
         }
+        mark(ui.ctx(), || format!("name {name}"), rect);
         let is_reset = response.double_clicked();
         if response.hovered() && (is_cut || !help.is_empty() || is_changed || note.is_some()) {
             response.on_hover_ui(|ui| {
@@ -169,6 +171,7 @@ pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Optio
     });
     let how = if is_colour { "Click to pick" } else { "Drag, with Shift slowly, or click and type" };
     let response = explained(response, &help, how);
+    mark(ui.ctx(), || format!("value {}", param.key), response.rect);
     if is_reset && let Some(default) = default {
         param.set_from_text(default).ok()?;
         return Some(Change::once(format!("Reset {}", label.to_lowercase())));
@@ -212,17 +215,19 @@ pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, cost_ms: O
             }
         } else {
             let width = ui.available_width();
-            egui::ComboBox::from_id_salt(slot.key)
+            let combo = egui::ComboBox::from_id_salt(slot.key)
                 .width(width)
                 .selected_text(infos[index].label)
                 .truncate()
                 .show_ui(ui, |ui| {
                     for (i, info) in infos.iter().enumerate() {
-                        ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
+                        let choice = ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
+                        mark(ui.ctx(), || format!("choice {}={}", slot.key, info.name), choice.rect);
                     }
                 })
                 .response
                 .on_hover_text(infos[index].help);
+            mark(ui.ctx(), || format!("slot {}", slot.key), combo.rect);
         }
     });
     if is_reset {

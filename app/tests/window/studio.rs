@@ -1,0 +1,273 @@
+//! Drives a studio on a virtual display with the events of a real mouse and keyboard.
+
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// A software driver on a busy machine compiles shaders and draws its first frame within this.
+const LIMIT: Duration = Duration::from_mins(5);
+
+static ALONE: Mutex<()> = Mutex::new(());
+
+/// An empty folder for a story's files, and the right to be the only one that runs: two studios on a software driver
+/// would make each other wait. `None`, with a line that says so, where the machine lacks what a story needs.
+pub fn begin(story: &str) -> Option<(MutexGuard<'static, ()>, PathBuf)> {
+    let missing: Vec<&str> =
+        ["Xvfb", "xdotool", "import"].into_iter().filter(|program| !is_installed(program)).collect();
+    if !missing.is_empty() || !cfg!(target_os = "linux") {
+        println!("skipped: {} not installed (apt-get install xvfb xdotool imagemagick)", missing.join(", "));
+        return None;
+    }
+    let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("window").join(story);
+    std::fs::remove_dir_all(&folder).ok();
+    std::fs::create_dir_all(&folder).unwrap();
+    println!("screenshots: {}", folder.display());
+    Some((alone, folder))
+}
+
+fn is_installed(program: &str) -> bool {
+    let found = Command::new("sh").args(["-c", &format!("command -v {program}")]).stdout(Stdio::null()).status();
+    found.is_ok_and(|status| status.success())
+}
+
+/// A virtual screen of its own.
+pub struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    pub fn start() -> Self {
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "1280x800x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        // The number is written once the server answers.
+        let mut line = String::new();
+        BufReader::new(server.stdout.take().unwrap()).read_line(&mut line).unwrap();
+        Self { name: format!(":{}", line.trim()), server }
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        self.server.kill().ok();
+        self.server.wait().ok();
+    }
+}
+
+/// A studio that runs on the display.
+pub struct Studio<'a> {
+    display: &'a Display,
+    folder: PathBuf,
+    report: PathBuf,
+    process: Child,
+    window: String,
+}
+
+impl<'a> Studio<'a> {
+    /// Open the studio with arguments of its own; waits until there is a picture to focus on.
+    pub fn open(display: &'a Display, folder: &Path, arguments: &[&str], run: &str) -> Self {
+        use std::os::unix::fs::PermissionsExt;
+        let runtime = folder.join("runtime");
+        std::fs::create_dir_all(&runtime).unwrap();
+        std::fs::set_permissions(&runtime, std::fs::Permissions::from_mode(0o700)).unwrap();
+        let report = folder.join(format!("state_{run}.jsonl"));
+        let log = std::fs::File::create(folder.join(format!("log_{run}.txt"))).unwrap();
+        let process = Command::new(env!("CARGO_BIN_EXE_lorelei"))
+            .args(arguments)
+            .arg("--report-state")
+            .arg(&report)
+            .arg("--data-folder")
+            .arg(folder.join("data"))
+            .env("DISPLAY", &display.name)
+            .env("XDG_RUNTIME_DIR", &runtime)
+            .env_remove("WAYLAND_DISPLAY")
+            .env_remove("DBUS_SESSION_BUS_ADDRESS")
+            .current_dir(folder)
+            .stderr(log)
+            .spawn()
+            .unwrap();
+        let mut studio = Self { display, folder: folder.to_owned(), report, process, window: String::new() };
+        studio.wait("the window", |_| true);
+        studio.window = studio.xdotool(&["search", "--sync", "--onlyvisible", "--name", "Lorelei"]);
+        studio.window = studio.window.lines().next().unwrap_or_default().to_owned();
+        // There is no window manager: events go where the focus was put, once the window is ready for it.
+        studio.wait("a picture to focus on", |state| state["still"] == true);
+        studio.focus();
+        studio
+    }
+
+    /// The process's death, as a crash would be: nothing is written any more.
+    pub fn kill(mut self) {
+        self.process.kill().unwrap();
+        self.process.wait().unwrap();
+    }
+
+    /// The middle of a control that the window has named.
+    pub fn place_of(&mut self, mark: &str) -> (f64, f64) {
+        let state = self.wait(mark, |state| state["marks"][mark].is_array());
+        let [left, top, right, bottom] = numbers(&state["marks"][mark]);
+        (f64::midpoint(left, right), f64::midpoint(top, bottom))
+    }
+
+    /// Until the window has reported nothing new for a moment: what scrolls has stopped.
+    pub fn rest(&mut self) {
+        let mut before = self.state();
+        loop {
+            std::thread::sleep(Duration::from_millis(300));
+            let now = self.state();
+            if now == before {
+                return;
+            }
+            before = now;
+        }
+    }
+
+    /// Put the pointer on a control, once it has stopped moving.
+    pub fn hover(&mut self, mark: &str) -> (f64, f64) {
+        let mut before = self.place_of(mark);
+        loop {
+            self.move_to(before);
+            let now = self.place_of(mark);
+            if now == before {
+                return now;
+            }
+            before = now;
+        }
+    }
+
+    pub fn click(&mut self, mark: &str) {
+        self.hover(mark);
+        self.xdotool(&["click", "1"]);
+    }
+
+    pub fn focus(&mut self) {
+        let start = Instant::now();
+        while self.state()["focused"] != true {
+            self.xdotool(&["windowfocus", &self.window.clone()]);
+            assert!(start.elapsed() < LIMIT, "the window takes no focus");
+            std::thread::sleep(Duration::from_millis(200));
+        }
+    }
+
+    pub fn xdotool(&self, arguments: &[&str]) -> String {
+        let output = Command::new("xdotool").env("DISPLAY", &self.display.name).args(arguments).output().unwrap();
+        assert!(output.status.success(), "xdotool {arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap().trim().to_owned()
+    }
+
+    pub fn key(&self, key: &str) {
+        self.xdotool(&["key", "--clearmodifiers", key]);
+    }
+
+    pub fn type_text(&self, text: &str) {
+        self.xdotool(&["type", "--delay", "30", text]);
+    }
+
+    /// Press, move in steps as a hand does, release; each once the studio has seen the one before.
+    pub fn drag(&mut self, button: u32, from: (f64, f64), to: (f64, f64)) {
+        let button = button.to_string();
+        self.move_to(from);
+        self.xdotool(&["mousedown", &button]);
+        self.wait("the press", |state| state["pointer_down"] == true);
+        for step in 1..=4 {
+            let share = f64::from(step) / 4.0;
+            self.move_to((from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1)));
+        }
+        self.xdotool(&["mouseup", &button]);
+        self.wait("the release", |state| state["pointer_down"] == false);
+    }
+
+    pub fn move_to(&mut self, (x, y): (f64, f64)) {
+        let (x, y) = (x.round(), y.round());
+        self.xdotool(&["mousemove", &x.to_string(), &y.to_string()]);
+        self.wait("the pointer", |state| {
+            state["pointer"].is_array() && {
+                let [px, py] = numbers(&state["pointer"]);
+                (px - x).abs() < 1.5 && (py - y).abs() < 1.5
+            }
+        });
+    }
+
+    /// The state that was reported last; null before the first.
+    pub fn state(&self) -> Value {
+        let text = std::fs::read_to_string(&self.report).unwrap_or_default();
+        let complete = text.rfind('\n').map_or("", |end| &text[..end]);
+        complete.lines().last().map_or(Value::Null, |line| serde_json::from_str(line).unwrap())
+    }
+
+    pub fn wait(&mut self, what: &str, is_there: impl Fn(&Value) -> bool) -> Value {
+        let start = Instant::now();
+        loop {
+            let state = self.state();
+            if !state.is_null() && is_there(&state) {
+                return state;
+            }
+            if let Some(status) = self.process.try_wait().unwrap() {
+                panic!("the studio ended ({status}) while the test waited for {what}; see {}", self.folder.display());
+            }
+            assert!(start.elapsed() < LIMIT, "waited too long for {what}; the state is {state:#}");
+            std::thread::sleep(Duration::from_millis(40));
+        }
+    }
+
+    pub fn screenshot(&self, name: &str) -> image::RgbImage {
+        let path = self.folder.join(format!("{name}.png"));
+        let status = Command::new("import")
+            .env("DISPLAY", &self.display.name)
+            .args(["-window", "root"])
+            .arg(&path)
+            .status()
+            .unwrap();
+        assert!(status.success());
+        image::open(&path).unwrap().to_rgb8()
+    }
+
+    /// Ctrl+Q, and the process ends well.
+    pub fn quit(mut self) {
+        self.key("ctrl+q");
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.process.try_wait().unwrap() {
+                assert!(status.success(), "the studio ended with {status}");
+                return;
+            }
+            assert!(start.elapsed() < LIMIT, "the studio did not close: {:#}", self.state());
+            std::thread::sleep(Duration::from_millis(40));
+        }
+    }
+}
+
+impl Drop for Studio<'_> {
+    fn drop(&mut self) {
+        self.process.kill().ok();
+        self.process.wait().ok();
+    }
+}
+
+pub fn numbers<const N: usize>(value: &Value) -> [f64; N] {
+    let numbers: Vec<f64> = value.as_array().expect("numbers").iter().map(|v| v.as_f64().unwrap()).collect();
+    numbers.try_into().expect("as many numbers")
+}
+
+/// Mean absolute difference of two screenshots within a rectangle, 0-1.
+pub fn difference(a: &image::RgbImage, b: &image::RgbImage, [left, top, right, bottom]: [f64; 4]) -> f64 {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for y in top as u32..(bottom as u32).min(a.height()) {
+        for x in left as u32..(right as u32).min(a.width()) {
+            for (p, q) in a.get_pixel(x, y).0.iter().zip(b.get_pixel(x, y).0) {
+                sum += (f64::from(*p) - f64::from(q)).abs() / 255.0;
+                n += 1.0;
+            }
+        }
+    }
+    sum / n
+}
