@@ -264,6 +264,8 @@ struct Worker {
     preview: Option<f32>,
     /// Cancelled, or too large: not tried again.
     refused: Option<State>,
+    /// Whose binding ended without a result.
+    ended_early: Option<State>,
     seen: u64,
     drawn: Option<FrameRequest>,
     n_losses: u64,
@@ -283,6 +285,7 @@ impl Worker {
             on_stage: None,
             preview: None,
             refused: None,
+            ended_early: None,
             seen: 0,
             drawn: None,
             n_losses: 0,
@@ -382,9 +385,14 @@ impl Worker {
             if std::mem::take(&mut mailbox.should_cancel) && self.binder.is_some() {
                 return Event::Cancel;
             }
-            if self.binder.as_ref().is_some_and(Binder::has_ended) {
-                // It delivers before it ends, so it has panicked: try again.
-                self.binder = None;
+            if let Some(binder) = self.binder.take_if(|binder| binder.has_ended()) {
+                // It delivers before it ends, so it has panicked: try again, once.
+                if self.ended_early == Some(binder.state) {
+                    self.refused = Some(binder.state);
+                    mailbox.report.busy = None;
+                    mailbox.report.errors.push("preparing the strands ended twice without a result: a bug".to_owned());
+                }
+                self.ended_early = Some(binder.state);
                 self.seen = 0;
             }
             if let Some(binder) = &self.binder {

@@ -35,6 +35,8 @@ pub struct Desk {
     pub document: Document,
     pub selection: Selection,
     pub camera: Camera,
+    /// The camera is to show all as soon as the viewport's shape is known.
+    pub wants_frame: bool,
     pub playback: Playback,
     /// What the head turns about, in head space.
     pub neck: Vec3,
@@ -58,6 +60,7 @@ impl Default for Desk {
             document: Document::default(),
             selection: Selection::Layer(0),
             camera: Camera::default(),
+            wants_frame: false,
             playback: Playback::default(),
             neck: Vec3::ZERO,
             bounds: (Vec3::splat(-10.0), Vec3::splat(10.0)),

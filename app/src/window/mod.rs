@@ -235,7 +235,7 @@ impl Studio {
         self.desk.playback.is_playing = false;
         self.desk.playback.head_pose = HeadPose::default();
         self.desk.playback.n_resets += 1;
-        self.desk.frame_all(self.viewport.aspect());
+        self.desk.wants_frame = true;
         if let Some(recovery) = &mut self.recovery {
             recovery.forget_own();
         }

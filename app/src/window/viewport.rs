@@ -48,6 +48,9 @@ impl Viewport {
         let scale = ui.ctx().pixels_per_point();
         self.rect = Some(rect);
         self.size = [rect.width(), rect.height()].map(|side| ((side * scale).round() as u32).clamp(1, 8192));
+        if std::mem::take(&mut desk.wants_frame) {
+            desk.frame_all(self.aspect());
+        }
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
         if let Some(texture) = self.texture {
