@@ -97,6 +97,9 @@ fn combos_lights_head_and_numbers_follow_the_hand_and_can_be_undone() {
         studio.move_to((x + 50.0, y));
         studio.wait("a grabbed head", |state| numbers::<5>(&state["head"])[part].abs() > 0.1);
         studio.xdotool(&["click", "1"]);
+        studio.rest();
+        studio.key("space");
+        studio.wait("no movement", |state| state["playing"] == false);
     }
     studio.screenshot("3_grabbed");
     studio.key("shift+space");

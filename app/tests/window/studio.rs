@@ -118,15 +118,17 @@ impl<'a> Studio<'a> {
         (f64::midpoint(left, right), f64::midpoint(top, bottom))
     }
 
-    /// Until the window has reported nothing new for a moment: what scrolls has stopped.
+    /// Until no control has moved for a moment: what scrolls has stopped. (Other things go on while hair moves.)
     pub fn rest(&mut self) {
-        let mut before = self.state();
+        let start = Instant::now();
+        let mut before = self.state()["marks"].clone();
         loop {
-            std::thread::sleep(Duration::from_millis(300));
-            let now = self.state();
+            std::thread::sleep(Duration::from_millis(400));
+            let now = self.state()["marks"].clone();
             if now == before {
                 return;
             }
+            assert!(start.elapsed() < LIMIT, "the controls do not come to rest");
             before = now;
         }
     }
