@@ -174,6 +174,7 @@ impl Raster {
             &segments.tile_backs,
             &self.buckets,
             &self.tiles,
+            &self.tile_list,
             &self.entries,
         ]
         .iter()
@@ -324,7 +325,7 @@ impl Raster {
         Ok(())
     }
 
-    /// Fill the list and draw from it, as often as its length asks for. `time` wraps what is timed.
+    /// Fill the list and draw from it, as often as its length asks for.
     pub fn record_tiles(
         &mut self,
         gpu: &Gpu,
