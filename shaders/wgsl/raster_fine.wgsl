@@ -3,32 +3,13 @@
 // A thread takes a segment and walks the pixels that it touches; sums of a few depth buckets lie in workgroup memory.
 // Then a thread takes a pixel and composites those buckets. So work grows with touched pixels and not with the area
 // of tiles, and a frame has few barriers.
-#import lorelei::raster_frame::{raster, raster_layers, Tile, ENTRY_BITS}
+#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::tile::{TILE, N_PIXELS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_of, bucket_end}
 #import lorelei::coverage::{strip_of, strip_coverage}
 #import lorelei::blend::{Blend, BlendScale, N_OPEN, N_STEP, N_WALKS, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, unpacked, VERTEX}
 
-struct Round { round: u32 }
-@group(0) @binding(auto) var<uniform> round: Round;
-@group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
-// See raster_alloc.wgsl.
-@group(0) @binding(auto) var<storage, read> totals: array<u32>;
-@group(0) @binding(auto) var<storage, read> tile_list: array<u32>;
-// After scattering: where each bucket's part of the list ends.
-@group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
-// Depth in each tile from which strands hide what is behind them.
-@group(0) @binding(auto) var<storage, read> fronts: array<f32>;
-@group(0) @binding(auto) var<storage, read> entries: array<u32>;
-@group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
-// Four half floats a vertex: outgoing radiance and the fibre's opacity.
-@group(0) @binding(auto) var<storage, read> radiance: array<vec2<u32>>;
-@group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
-@group(0) @binding(auto) var hair: texture_storage_2d<rgba16float, write>;
-
-const VERTEX: u32 = (1u << ENTRY_BITS) - 1u;
 const SIDE: i32 = i32(TILE);
 // Threads that share a segment.
 const N_PARTS: u32 = 2u;
@@ -39,11 +20,6 @@ var<workgroup> surfaces: array<vec2<f32>, N_PIXELS>;
 var<workgroup> nearest_surface: atomic<u32>;
 // Pixels that are not done: for each column a bit of each row, then for each row a bit of each column.
 var<workgroup> open_pixels: array<atomic<u32>, 2u * u32(TILE)>;
-
-fn unpacked(vertex: u32) -> vec4<f32> {
-    let packed = radiance[vertex];
-    return vec4<f32>(unpack2x16float(packed.x), unpack2x16float(packed.y));
-}
 
 // A segment's fragments in the tile, column by column along its longer axis ("columns" are rows where it is steep).
 fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u32, front: f32, tile_origin: vec2<f32>) {

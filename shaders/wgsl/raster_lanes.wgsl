@@ -7,31 +7,12 @@
 //
 // Everything about the eight is written out eight times: lanes can only be named by constants, and the driver stops a
 // thread that has gone round its loops 65,535 times, here after half a million segments.
-#import lorelei::raster_frame::{raster, raster_layers, Tile, ENTRY_BITS}
+#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_end}
 #import lorelei::coverage::{strip_of, thin_across, wide_across}
 #import lorelei::lane_blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, unpacked, VERTEX}
 
-struct Round { round: u32 }
-@group(0) @binding(auto) var<uniform> round: Round;
-@group(0) @binding(auto) var<storage, read> tiles: array<Tile>;
-// See raster_alloc.wgsl.
-@group(0) @binding(auto) var<storage, read> totals: array<u32>;
-@group(0) @binding(auto) var<storage, read> tile_list: array<u32>;
-// After scattering: where each bucket's part of the list ends.
-@group(0) @binding(auto) var<storage, read> bucket_ends: array<u32>;
-// Depth in each tile from which strands hide what is behind them.
-@group(0) @binding(auto) var<storage, read> fronts: array<f32>;
-@group(0) @binding(auto) var<storage, read> entries: array<u32>;
-@group(0) @binding(auto) var<storage, read> lines: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
-// Four half floats a vertex: outgoing radiance and the fibre's opacity.
-@group(0) @binding(auto) var<storage, read> radiance: array<vec2<u32>>;
-@group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
-@group(0) @binding(auto) var hair: texture_storage_2d<rgba16float, write>;
-
-const VERTEX: u32 = (1u << ENTRY_BITS) - 1u;
 const SIDE: u32 = 8u;
 
 // The column of pixels that a lane owns.
@@ -73,10 +54,6 @@ struct Segment {
     fibre_step: vec4<f32>,
 }
 
-fn unpacked(packed: vec2<u32>) -> vec4<f32> {
-    return vec4<f32>(unpack2x16float(packed.x), unpack2x16float(packed.y));
-}
-
 fn segment_at(vertex: u32, tile_origin: vec2<f32>, is_there: bool) -> Segment {
     let line = lines[vertex];
     let span = spans[vertex];
@@ -85,14 +62,14 @@ fn segment_at(vertex: u32, tile_origin: vec2<f32>, is_there: bool) -> Segment {
     let half_widths = unpack2x16float(bitcast<u32>(span.w));
     let strip = strip_of(u, span.x, half_widths);
     let step = u * strip.per_a;
-    let fibre = unpacked(radiance[vertex]);
+    let fibre = unpacked(vertex);
     var segment: Segment;
     segment.along = vec4<f32>(-dot(origin, step), step, span.x * strip.per_a);
     segment.across = vec4<f32>(origin.x * u.y - origin.y * u.x, -u.y, u.x, strip.a * strip.per_length);
     segment.width_depth = vec4<f32>(half_widths.x, span.y, half_widths.y - half_widths.x, span.z - span.y);
     segment.shape = vec4<f32>(strip.ramp, strip.per_a, strip.reach, select(0.0, 1.0, is_there));
     segment.fibre = fibre;
-    segment.fibre_step = unpacked(radiance[vertex + 1u]) - fibre;
+    segment.fibre_step = unpacked(vertex + 1u) - fibre;
     return segment;
 }
 
