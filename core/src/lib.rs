@@ -4,6 +4,7 @@
 //! unless a name ends in `_deg`. Radii that a person edits are micrometres (`_um`).
 
 pub mod binding;
+pub mod brush;
 pub mod camera;
 pub mod clumps;
 pub mod curve;

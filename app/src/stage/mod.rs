@@ -374,6 +374,7 @@ impl Stage {
         report.n_bytes = statistics.n_bytes;
         report.pass_times = self.pass_times();
         report.sim_secs = self.time_secs;
+        report.world_from_head = self.world_from_head;
         report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
 }

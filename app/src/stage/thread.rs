@@ -103,6 +103,8 @@ pub struct FrameReport {
     pub n_vertices: u64,
     pub n_bytes: u64,
     pub sim_secs: f32,
+    /// Where the head was in the last picture.
+    pub world_from_head: glam::Affine3A,
     pub adapter: String,
     /// What takes long right now, for the status bar.
     pub busy: Option<Busy>,
@@ -599,6 +601,7 @@ impl Worker {
             report.n_bytes = news.n_bytes;
             report.pass_times = news.pass_times;
             report.sim_secs = news.sim_secs;
+            report.world_from_head = news.world_from_head;
             report.texture = news.texture;
         });
         if is_first {

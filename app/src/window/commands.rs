@@ -2,6 +2,9 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::tools::Tool;
+use super::tools::mesh::commands::{MESH_COMMANDS, MeshCommand};
+
 /// What to do. Dispatched in one place, `Studio::run`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Command {
@@ -41,6 +44,9 @@ pub enum Command {
     RemoveLayer,
     Palette,
     Shortcuts,
+    /// Take a tool; the one that is taken already is put down.
+    Tool(Tool),
+    Mesh(MeshCommand),
 }
 
 /// One row of the table.
@@ -51,18 +57,20 @@ pub struct Row {
     pub help: &'static str,
     /// The first is the one that menus show.
     pub shortcuts: &'static [KeyboardShortcut],
+    /// Only while this tool is active, and then before all others; `None`: always.
+    pub tool: Option<Tool>,
 }
 
-const fn key(key: Key) -> KeyboardShortcut {
+pub const fn key(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::NONE, key)
 }
-const fn ctrl(key: Key) -> KeyboardShortcut {
+pub const fn ctrl(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND, key)
 }
-const fn ctrl_shift(key: Key) -> KeyboardShortcut {
+pub const fn ctrl_shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key)
 }
-const fn shift(key: Key) -> KeyboardShortcut {
+pub const fn shift(key: Key) -> KeyboardShortcut {
     KeyboardShortcut::new(Modifiers::SHIFT, key)
 }
 
@@ -73,7 +81,7 @@ const fn row(
     help: &'static str,
     shortcuts: &'static [KeyboardShortcut],
 ) -> Row {
-    Row { command, group, label, help, shortcuts }
+    Row { command, group, label, help, shortcuts, tool: None }
 }
 
 /// All commands, in the order of the shortcut sheet.
@@ -113,9 +121,18 @@ pub const COMMANDS: &[Row] = &[
     row(Command::MotionTurn, "Movement", "Head turns", "Looks over one shoulder, then the other", &[]),
     row(Command::MotionNod, "Movement", "Head nods", "Yes", &[]),
     row(Command::MotionShake, "Movement", "Head shakes", "No", &[]),
+    row(Command::Tool(Tool::Select), "Tools", "Select", "Lights, the head, layers", &[key(Key::Q)]),
+    row(Command::Tool(Tool::Mesh), "Tools", "Model the hair mesh", "Its faces, edges and vertices; again: back to Select", &[key(Key::Tab)]),
+    row(Command::Tool(Tool::Sculpt), "Tools", "Sculpt", "Comb, cut and shape with brushes", &[shift(Key::S)]),
+    row(Command::Tool(Tool::Paint), "Tools", "Paint maps", "Density, length and more, over the scalp", &[shift(Key::P)]),
     row(Command::Palette, "Help", "Find a command\u{2026}", "Search everything the studio can do", &[key(Key::F3), ctrl(Key::P)]),
     row(Command::Shortcuts, "Help", "Shortcuts", "This sheet", &[key(Key::F1)]),
 ];
+
+/// The rows of all tables: the studio's own and each tool's.
+pub fn rows() -> impl Iterator<Item = &'static Row> {
+    COMMANDS.iter().chain(MESH_COMMANDS)
+}
 
 /// What the pointer does in the viewport, for the shortcut sheet.
 pub const POINTER: &[(&str, &str)] = &[
@@ -130,7 +147,7 @@ pub const POINTER: &[(&str, &str)] = &[
 
 impl Command {
     pub fn row(self) -> &'static Row {
-        let found = COMMANDS.iter().find(|row| row.command == self);
+        let found = rows().find(|row| row.command == self);
         found.expect("every command is in the table: tested")
     }
 }
@@ -138,15 +155,19 @@ impl Command {
 /// The command whose shortcut was pressed; its key is then used up.
 ///
 /// Shortcuts with more modifiers go first: Ctrl+Shift+Z is not Ctrl+Z. `is_typing`: only those with Ctrl or
-/// a function key count, the rest belongs to the text.
-pub fn pressed(ctx: &egui::Context, is_typing: bool) -> Option<Command> {
-    let mut all: Vec<(&KeyboardShortcut, Command)> =
-        COMMANDS.iter().flat_map(|row| row.shortcuts.iter().map(|shortcut| (shortcut, row.command))).collect();
-    all.sort_by_key(|(shortcut, _)| {
-        std::cmp::Reverse(shortcut.modifiers.shift as u8 + shortcut.modifiers.command as u8)
+/// a function key count, the rest belongs to the text. `tool`: the active one, whose keys go before all others.
+pub fn pressed(ctx: &egui::Context, is_typing: bool, tool: Tool) -> Option<Command> {
+    let is_live = |row: &&Row| row.tool.is_none_or(|of| of == tool);
+    let mut all: Vec<(&KeyboardShortcut, &Row)> =
+        rows().filter(is_live).flat_map(|row| row.shortcuts.iter().map(move |shortcut| (shortcut, row))).collect();
+    all.sort_by_key(|(shortcut, row)| {
+        let n_modifiers =
+            shortcut.modifiers.shift as u8 + shortcut.modifiers.command as u8 + shortcut.modifiers.alt as u8;
+        std::cmp::Reverse((n_modifiers, row.tool.is_some()))
     });
     ctx.input_mut(|input| {
-        all.into_iter().find_map(|(shortcut, command)| {
+        all.into_iter().find_map(|(shortcut, row)| {
+            let command = row.command;
             let is_text = !shortcut.modifiers.command && !is_function_key(shortcut.logical_key);
             // Undo and redo inside a text field belong to the text.
             let is_text = is_text || matches!(command, Command::Undo | Command::Redo);
@@ -181,10 +202,11 @@ mod tests {
     fn no_two_commands_share_a_shortcut_and_none_is_listed_twice() {
         let mut shortcuts = std::collections::HashSet::new();
         let mut commands = std::collections::HashSet::new();
-        for row in COMMANDS {
+        for row in rows() {
             assert!(commands.insert(row.command), "{:?}", row.command);
             for shortcut in row.shortcuts {
-                assert!(shortcuts.insert(format!("{shortcut:?}")), "{}: {shortcut:?}", row.label);
+                // A tool may take a key over while it is active.
+                assert!(shortcuts.insert(format!("{:?} {shortcut:?}", row.tool)), "{}: {shortcut:?}", row.label);
             }
         }
     }

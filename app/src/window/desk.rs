@@ -10,6 +10,7 @@ use super::commands::Command;
 use super::document::Document;
 use super::notices::Notices;
 use super::settings::Settings;
+use super::tools::Tools;
 use crate::stage::Playback;
 use crate::stage::thread::FrameReport;
 
@@ -47,6 +48,7 @@ pub struct Desk {
     pub notices: Notices,
     pub settings: Settings,
     pub show_handles: bool,
+    pub tools: Tools,
     /// Commands that panels ask for; run at the end of the frame.
     pub asked: Vec<Command>,
     /// What is being renamed in the outliner, and the text so far.
@@ -69,6 +71,7 @@ impl Default for Desk {
             notices: Notices::default(),
             settings: Settings::default(),
             show_handles: true,
+            tools: Tools::default(),
             asked: Vec::new(),
             renaming: None,
         }

@@ -1,52 +1,14 @@
 //! What can be grabbed in the viewport: a disc for each light on a sphere around the head, and a handle at
 //! the neck.
 
-use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, pos2, vec2};
-use glam::{Mat4, Vec3};
-use lorelei_core::camera::Camera;
+use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, vec2};
+use glam::Vec3;
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 
 use super::desk::{Desk, Selection};
+use super::projection::Projection;
 use super::theme;
-
-/// Maps the world to points of the window.
-#[derive(Clone, Copy)]
-pub struct Projection {
-    clip_from_world: Mat4,
-    rect: Rect,
-}
-
-impl Projection {
-    pub fn new(camera: &Camera, rect: Rect) -> Self {
-        Self { clip_from_world: camera.clip_from_world(rect.width() / rect.height().max(1.0)), rect }
-    }
-
-    fn aspect(&self) -> f32 {
-        self.rect.width() / self.rect.height().max(1.0)
-    }
-
-    /// `None` behind the eye.
-    pub fn point(&self, world: Vec3) -> Option<egui::Pos2> {
-        let clip = self.clip_from_world * world.extend(1.0);
-        (clip.w > 1e-4).then(|| {
-            let ndc = clip.truncate() / clip.w;
-            let centre = self.rect.center();
-            pos2(centre.x + 0.5 * ndc.x * self.rect.width(), centre.y - 0.5 * ndc.y * self.rect.height())
-        })
-    }
-
-    /// Origin and unit direction of the ray through a point of the window.
-    fn ray(&self, at: egui::Pos2) -> (Vec3, Vec3) {
-        let centre = self.rect.center();
-        let x = 2.0 * (at.x - centre.x) / self.rect.width();
-        let y = -2.0 * (at.y - centre.y) / self.rect.height();
-        let world_from_clip = self.clip_from_world.inverse();
-        let near = world_from_clip.project_point3(Vec3::new(x, y, 0.0));
-        let far = world_from_clip.project_point3(Vec3::new(x, y, 0.5));
-        (near, (far - near).normalize_or(Vec3::NEG_Z))
-    }
-}
 
 /// What is being dragged; kept by the viewport between frames.
 #[derive(Debug, Clone, Copy, Default)]
@@ -207,7 +169,7 @@ pub fn head(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
     }
     let is_turning = ui.input(|input| input.modifiers.shift);
     if response.dragged_by(egui::PointerButton::Primary) {
-        let viewport_height = projection.rect.height();
+        let viewport_height = projection.rect().height();
         drag_head(desk, response.drag_delta(), viewport_height, is_turning);
     }
     response.on_hover_text("Drag to move the head, with Shift to turn it");
@@ -236,6 +198,9 @@ pub fn drag_head(desk: &mut Desk, drag: egui::Vec2, viewport_height: f32, is_tur
 
 #[cfg(test)]
 mod tests {
+    use egui::pos2;
+    use lorelei_core::camera::Camera;
+
     use super::*;
 
     #[test]

@@ -17,6 +17,7 @@ pub enum Panel {
     Viewport,
     Outliner,
     Properties,
+    Tool,
     Look,
     Lights,
     Simulation,
@@ -25,10 +26,11 @@ pub enum Panel {
 }
 
 impl Panel {
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Viewport,
         Self::Outliner,
         Self::Properties,
+        Self::Tool,
         Self::Look,
         Self::Lights,
         Self::Simulation,
@@ -41,6 +43,7 @@ impl Panel {
             Self::Viewport => "Viewport",
             Self::Outliner => "Outliner",
             Self::Properties => "Properties",
+            Self::Tool => "Tool",
             Self::Look => "Look",
             Self::Lights => "Lights",
             Self::Simulation => "Movement",
@@ -65,7 +68,7 @@ pub fn default_layout() -> Tree<Panel> {
         }
         tiles.insert_container(Container::Linear(linear))
     };
-    let left = column(&[&[Panel::Outliner], &[Panel::Properties]], &[0.4, 0.6]);
+    let left = column(&[&[Panel::Outliner], &[Panel::Properties, Panel::Tool]], &[0.4, 0.6]);
     let right = column(
         &[&[Panel::Look, Panel::Lights, Panel::Simulation], &[Panel::Statistics, Panel::History]],
         &[0.64, 0.36],
@@ -82,6 +85,11 @@ pub fn default_layout() -> Tree<Panel> {
 /// A stored layout may lack a panel (an older version, a damaged file): then it is not used.
 pub fn is_complete(layout: &Tree<Panel>) -> bool {
     Panel::ALL.iter().all(|panel| layout.tiles.find_pane(panel).is_some_and(|id| layout.tiles.is_visible(id)))
+}
+
+/// Bring a panel to the front of its tabs.
+pub fn show(layout: &mut Tree<Panel>, wanted: Panel) {
+    layout.make_active(|_, tile| matches!(tile, Tile::Pane(panel) if *panel == wanted));
 }
 
 /// Draws the panels.
@@ -105,6 +113,7 @@ impl egui_tiles::Behavior<Panel> for Behavior<'_> {
                         Panel::Viewport => {}
                         Panel::Outliner => panels::outliner::ui(ui, self.desk),
                         Panel::Properties => panels::properties::ui(ui, self.desk),
+                        Panel::Tool => super::tools::panel(ui, self.desk),
                         Panel::Look => panels::look::ui(ui, self.desk),
                         Panel::Lights => panels::lights::ui(ui, self.desk),
                         Panel::Simulation => panels::simulation::ui(ui, self.desk),

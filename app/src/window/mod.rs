@@ -10,6 +10,7 @@ mod navigation;
 mod notices;
 mod palette;
 mod panels;
+mod projection;
 mod recovery;
 mod run_command;
 mod settings;
@@ -17,6 +18,7 @@ mod start;
 mod state_report;
 mod status_bar;
 mod theme;
+mod tools;
 mod top_bar;
 mod viewport;
 
@@ -429,7 +431,7 @@ impl Studio {
 
     /// For the state report: where the head's handle is.
     fn head_handle(&self) -> Option<[f32; 2]> {
-        let projection = handles::Projection::new(&self.desk.camera, self.viewport.rect?);
+        let projection = projection::Projection::new(&self.desk.camera, self.viewport.rect?);
         let at = projection.point(self.desk.neck + self.desk.playback.head_pose.shift)?;
         Some([at.x, at.y])
     }
@@ -621,7 +623,7 @@ impl eframe::App for Studio {
             self.hand_over(&ctx);
         }
         let is_typing = ctx.text_edit_focused() || self.desk.renaming.is_some() || self.palette.is_some();
-        if let Some(command) = commands::pressed(&ctx, is_typing) {
+        if let Some(command) = commands::pressed(&ctx, is_typing, self.desk.tools.active) {
             self.desk.asked.push(command);
         }
         top_bar::ui(ui, self);
@@ -728,6 +730,7 @@ impl Studio {
             Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
                 matches!(self.desk.selection, Selection::Layer(_))
             }
+            Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
             _ => true,
         }
     }

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Key, RichText};
 
-use super::commands::{COMMANDS, Command, POINTER, search_rank};
+use super::commands::{Command, POINTER, rows, search_rank};
 use super::theme;
 
 /// What is typed, and which answer is marked. `None` in the studio while the palette is closed.
@@ -48,8 +48,7 @@ impl Palette {
                     self.marked = 0;
                 }
                 // Searched after the field: what was typed before Enter counts, though both came in one frame.
-                found =
-                    COMMANDS.iter().filter_map(|row| search_rank(&self.query, row).map(|rank| (rank, row))).collect();
+                found = rows().filter_map(|row| search_rank(&self.query, row).map(|rank| (rank, row))).collect();
                 found.sort_by_key(|(rank, _)| *rank);
                 self.mark(up, down, found.len());
                 ui.add_space(4.0);
@@ -130,7 +129,7 @@ pub fn shortcut_sheet(ctx: &egui::Context) -> bool {
         .order(egui::Order::Foreground)
         .show(ctx, |ui| {
             ui.horizontal_top(|ui| {
-                for groups in [&["File", "Edit"][..], &["View", "Help"], &["Movement", "Look"]] {
+                for groups in [&["File", "Edit"][..], &["View", "Tools", "Help"], &["Movement", "Look", "Mesh"]] {
                     ui.vertical(|ui| {
                         ui.set_width(285.0);
                         for group in groups {
@@ -155,7 +154,7 @@ pub fn shortcut_sheet(ctx: &egui::Context) -> bool {
 
 fn group_of_shortcuts(ui: &mut egui::Ui, group: &str) {
     ui.label(RichText::new(group).strong().color(theme::ACCENT));
-    for row in COMMANDS.iter().filter(|row| row.group == group && !row.shortcuts.is_empty()) {
+    for row in rows().filter(|row| row.group == group && !row.shortcuts.is_empty()) {
         ui.horizontal(|ui| {
             ui.label(row.label).on_hover_text(row.help);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -10,7 +10,8 @@ use lorelei_core::motion::{HeadPose, Motion};
 use super::commands::Command;
 use super::files::choose::Purpose;
 use super::files::jobs;
-use super::{Next, Palette, Question, Studio, layout, panels};
+use super::tools::Tool;
+use super::{Next, Palette, Question, Studio, layout, panels, tools};
 
 impl Studio {
     pub(super) fn run(&mut self, ctx: &egui::Context, command: Command) {
@@ -73,8 +74,23 @@ impl Studio {
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some(Palette::default()) };
             }
+            Command::Tool(tool) => self.take_tool(ctx, tool),
+            Command::Mesh(command) => tools::mesh::run(&mut self.desk, command),
             Command::Shortcuts => self.shows_shortcuts = !self.shows_shortcuts,
         }
+    }
+
+    fn take_tool(&mut self, ctx: &egui::Context, tool: Tool) {
+        let active = &mut self.desk.tools.active;
+        *active = if *active == tool { Tool::Select } else { tool };
+        let panel = if *active == Tool::Select { layout::Panel::Properties } else { layout::Panel::Tool };
+        layout::show(&mut self.desk.settings.layout, panel);
+        // Tab also went to the next control.
+        ctx.memory_mut(|memory| {
+            if let Some(focused) = memory.focused() {
+                memory.surrender_focus(focused);
+            }
+        });
     }
 
     fn view(&mut self, azimuth_deg: f32, elevation_deg: f32) {

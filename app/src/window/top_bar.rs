@@ -2,7 +2,7 @@
 
 use egui::{RichText, Ui, vec2};
 
-use super::commands::{COMMANDS, Command};
+use super::commands::{Command, rows};
 use super::{Next, Studio, theme};
 
 pub fn ui(ui: &mut Ui, studio: &mut Studio) {
@@ -11,7 +11,7 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.label(RichText::new("Lorelei").strong().color(theme::ACCENT));
             ui.add_space(8.0);
-            for group in ["File", "Edit", "View", "Movement", "Help"] {
+            for group in ["File", "Edit", "View", "Tools", "Mesh", "Movement", "Help"] {
                 ui.menu_button(group, |ui| {
                     ui.set_min_width(230.0);
                     menu(ui, studio, group);
@@ -23,7 +23,7 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
 }
 
 fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
-    for row in COMMANDS.iter().filter(|row| row.group == group || (group == "Edit" && row.group == "Look")) {
+    for row in rows().filter(|row| row.group == group || (group == "Edit" && row.group == "Look")) {
         if matches!(row.command, Command::Quit) {
             ui.separator();
         }

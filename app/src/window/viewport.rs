@@ -4,9 +4,11 @@ use egui::{Align2, Color32, Key, Rect, Sense, TextureId, Ui, pos2, vec2};
 use lorelei_core::motion::HeadPose;
 
 use super::desk::Desk;
-use super::handles::{self, HandleDrag, Projection};
+use super::handles::{self, HandleDrag};
 use super::navigation;
+use super::projection::Projection;
 use super::theme;
+use super::tools::{self, Tool};
 
 /// A head that follows the pointer after G or R, as in Blender.
 #[derive(Debug, Clone, Copy)]
@@ -63,12 +65,14 @@ impl Viewport {
         let has_moved = navigation::navigate(&mut desk.camera, &response, ui);
         let projection = Projection::new(&desk.camera, rect);
         let mut is_dragging_handle = false;
-        if desk.show_handles && self.grab.is_none() {
+        let is_tool_busy = tools::viewport(ui, desk, projection, &response, has_moved || self.grab.is_some());
+        if desk.show_handles && self.grab.is_none() && desk.tools.active == Tool::Select {
             handles::lights(ui, desk, projection, &mut self.drag);
             is_dragging_handle = handles::head(ui, desk, projection);
         }
         self.follow_grab(ui, desk, rect);
-        self.is_interacting = has_moved || response.dragged() || is_dragging_handle || self.grab.is_some();
+        self.is_interacting =
+            has_moved || response.dragged() || is_tool_busy || is_dragging_handle || self.grab.is_some();
         self.overlay(ui, desk, rect);
     }
 
