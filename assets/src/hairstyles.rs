@@ -130,7 +130,7 @@ mod tests {
             for &t in &scalp.triangles {
                 let middle = mesh.corners(t as usize).iter().sum::<glam::Vec3>() / 3.0;
                 let is_inner = mesh.triangles[t as usize].iter().all(|&v| n_around[v as usize] >= 5);
-                let map = layers[0].density.as_ref();
+                let map = layers[0].density();
                 let sparse = map.is_some_and(|map| {
                     let [a, b, c] = mesh.triangles[t as usize].map(|v| mesh.uvs[v as usize]);
                     map.sample([(a[0] + b[0] + c[0]) / 3.0, (a[1] + b[1] + c[1]) / 3.0]) < 0.8

@@ -8,11 +8,12 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::clumps::{Clumps, Path};
-use crate::groom::{Head, Layer, ScalpMap, Source};
+use crate::groom::{Head, Layer, Source};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
 use crate::hash::combine;
 use crate::io::Watch;
+use crate::maps::{MapKind, ScalpMap};
 use crate::mean_value::mean_value_weights;
 use crate::mesh::{SCALP_GROUP, TriMesh};
 use crate::mesh_query::MeshQuery;
@@ -45,6 +46,11 @@ pub struct LayerBinding {
     pub offset_at_tip: f32,
     /// Radius of each strand as a share of the layer's; empty is 1.
     pub radius_scales: Vec<f32>,
+    /// The painted maps whose values `map_values` holds: all of the layer but its density.
+    pub maps: Vec<MapKind>,
+    /// What each of `maps` says at the strand's root, in its own measure ([`MapKind::max_value`]): strand `s` has
+    /// `map_values[s * maps.len()..]`.
+    pub map_values: Vec<f32>,
     pub clumps: Clumps,
 }
 
@@ -81,6 +87,7 @@ pub fn bind_layer_watched(layer: &Layer, head: Option<&Head>, watch: Watch<'_>) 
         Source::Strands(strands) => bind_strands(layer, strands, scalp.as_ref()),
     };
     done(0.6)?;
+    binding.resample_maps(layer);
     binding.restyle(&layer.style);
     done(1.0)?;
     Some(binding)
@@ -123,6 +130,31 @@ impl LayerBinding {
         self.clumps = Clumps::of_style(style, &paths);
     }
 
+    /// Ask the layer's painted maps again; nothing else depends on them, density apart.
+    pub fn resample_maps(&mut self, layer: &Layer) {
+        let maps: Vec<_> = layer.maps.iter().filter(|(kind, _)| **kind != MapKind::Density).collect();
+        self.maps = maps.iter().map(|(kind, _)| (*kind).clone()).collect();
+        self.map_values = vec![0.0; maps.len() * self.n_strands()];
+        for (i, (kind, map)) in maps.iter().enumerate() {
+            let value = |strand_idx: usize| match self.root_uvs.get(strand_idx) {
+                Some(&uv) => map.sample(uv) * kind.max_value(),
+                None => kind.default_value(),
+            };
+            let column = self.map_values.par_iter_mut().skip(i).step_by(maps.len());
+            column.enumerate().for_each(|(strand_idx, out)| *out = value(strand_idx));
+        }
+    }
+
+    /// The index of a map in `maps`; `None` where the layer has none of this kind, so that its default applies.
+    pub fn map_idx(&self, kind: &MapKind) -> Option<usize> {
+        self.maps.iter().position(|known| known == kind)
+    }
+
+    /// What a map says at a strand's root: see [`LayerBinding::map_idx`].
+    pub fn map_value(&self, strand_idx: usize, map_idx: Option<usize>, default: f32) -> f32 {
+        map_idx.map_or(default, |i| self.map_values[strand_idx * self.maps.len() + i])
+    }
+
     /// Bytes held by the arrays.
     pub fn n_bytes(&self) -> usize {
         self.guides.n_bytes()
@@ -131,6 +163,7 @@ impl LayerBinding {
             + self.n_strands() * (2 * 4 + 3 * 12)
             + size_of_val(self.root_uvs.as_slice())
             + size_of_val(self.radius_scales.as_slice())
+            + size_of_val(self.map_values.as_slice())
             + size_of_val(self.clumps.middles.as_slice())
     }
 
@@ -295,7 +328,7 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
             Some(Place { position: root.position, normal: normal.normalize_or(Vec3::Y), uv: [0.0; 2] })
         })
     };
-    let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
+    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some_and(Scalp::has_uvs));
     let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
     // In a face that is not convex mean values can be far below 0: such a strand would leave its lock.
     let weights: Vec<Vec<f32>> = scattered
@@ -379,7 +412,7 @@ fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> L
         };
         near_guide(root.position).then(|| scalp.at(root.face, root.barycentric, root.position))
     };
-    let density = layer.density.as_deref().filter(|_| scalp.is_some_and(Scalp::has_uvs));
+    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some_and(Scalp::has_uvs));
     let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
     let influences: Vec<[Influence; 3]> =
         scattered.par_iter().map(|(_, root, _)| three_guides(&guides, &roots, &grid, root.position)).collect();

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
 use crate::light::Light;
 use crate::look::Look;
+use crate::maps::{MapError, MapKind, ScalpMap, Tile, TileChange};
 use crate::simulation::SimulationSettings;
 use crate::style::StyleOp;
 
@@ -57,6 +58,18 @@ pub enum Edit {
         layer_idx: usize,
         style: Vec<StyleOp>,
     },
+    /// Put tiles into a painted map. Where the layer has none of this kind it gets one of defaults first.
+    PaintTiles {
+        layer_idx: usize,
+        kind: MapKind,
+        tiles: Vec<TileChange>,
+    },
+    /// Give a layer a painted map, or take it away.
+    SetMap {
+        layer_idx: usize,
+        kind: MapKind,
+        map: Option<Arc<ScalpMap>>,
+    },
     /// One after the other, undone as one.
     Batch(Vec<Edit>),
 }
@@ -66,6 +79,8 @@ pub enum Edit {
 pub enum EditError {
     #[error("there is no layer {layer_idx}: the groom has {n_layers}")]
     NoSuchLayer { layer_idx: usize, n_layers: usize },
+    #[error("the map {kind}: {problem}")]
+    Map { kind: MapKind, problem: MapError },
 }
 
 impl Groom {
@@ -118,6 +133,17 @@ impl Groom {
                 let style = replace(&mut self.layer_mut(layer_idx)?.style, style);
                 Edit::SetStyle { layer_idx, style }
             }
+            Edit::PaintTiles { layer_idx, kind, tiles } => {
+                self.layer_mut(layer_idx)?.paint_tiles(layer_idx, kind, tiles)?
+            }
+            Edit::SetMap { layer_idx, kind, map } => {
+                let maps = &mut self.layer_mut(layer_idx)?.maps;
+                let map = match map {
+                    Some(map) => maps.insert(kind.clone(), map),
+                    None => maps.remove(&kind),
+                };
+                Edit::SetMap { layer_idx, kind, map }
+            }
             Edit::Batch(edits) => self.apply_batch(edits)?,
         })
     }
@@ -145,6 +171,20 @@ impl Groom {
     }
 }
 
+impl Layer {
+    fn paint_tiles(&mut self, layer_idx: usize, kind: MapKind, tiles: Vec<TileChange>) -> Result<Edit, EditError> {
+        let bad = |problem| EditError::Map { kind: kind.clone(), problem };
+        if let Some(map) = self.maps.get_mut(&kind) {
+            let tiles = Arc::make_mut(map).replace_tiles(tiles).map_err(bad)?;
+            return Ok(Edit::PaintTiles { layer_idx, kind, tiles });
+        }
+        let mut map = kind.empty_map();
+        map.replace_tiles(tiles).map_err(bad)?;
+        self.maps.insert(kind.clone(), Arc::new(map));
+        Ok(Edit::SetMap { layer_idx, kind, map: None })
+    }
+}
+
 impl Edit {
     /// Whether `self` overwrites all that `other` wrote, so that a drag can drop the steps in between.
     pub fn overwrites(&self, other: &Self) -> bool {
@@ -159,8 +199,38 @@ impl Edit {
             | (Self::SetLayerVisible { layer_idx: a, .. }, Self::SetLayerVisible { layer_idx: b, .. })
             | (Self::SetMaterial { layer_idx: a, .. }, Self::SetMaterial { layer_idx: b, .. })
             | (Self::SetStyle { layer_idx: a, .. }, Self::SetStyle { layer_idx: b, .. }) => a == b,
+            (
+                Self::PaintTiles { layer_idx: a, kind: kind_a, tiles: of_a },
+                Self::PaintTiles { layer_idx: b, kind: kind_b, tiles: of_b },
+            ) => {
+                let writes = |tile_idx: u32| of_a.iter().any(|change| change.tile_idx == tile_idx);
+                (a, kind_a) == (b, kind_b) && of_b.iter().all(|change| writes(change.tile_idx))
+            }
+            (
+                Self::SetMap { layer_idx: a, kind: kind_a, .. },
+                Self::PaintTiles { layer_idx: b, kind: kind_b, .. } | Self::SetMap { layer_idx: b, kind: kind_b, .. },
+            ) => (a, kind_a) == (b, kind_b),
             (Self::Batch(a), Self::Batch(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.overwrites(b)),
             _ => false,
+        }
+    }
+
+    /// Where `self` undoes a beginning of a drag and `later` what came after, make `self` undo both; `false`
+    /// where that needs two steps. A stroke touches more and more tiles, each of which is kept once.
+    pub fn join(&mut self, later: &Self) -> bool {
+        match (self, later) {
+            (
+                Self::PaintTiles { layer_idx: a, kind: kind_a, tiles: before },
+                Self::PaintTiles { layer_idx: b, kind: kind_b, tiles },
+            ) if (&*a, &*kind_a) == (b, kind_b) => {
+                for change in tiles {
+                    if before.iter().all(|known| known.tile_idx != change.tile_idx) {
+                        before.push(change.clone());
+                    }
+                }
+                true
+            }
+            (first, later) => first.overwrites(later),
         }
     }
 
@@ -182,10 +252,14 @@ impl Edit {
                         visit(Arc::as_ptr(strands) as usize, strands.n_bytes());
                     }
                 }
-                if let Some(map) = &layer.density {
-                    visit(Arc::as_ptr(map) as usize, map.texels.len());
+                layer.maps.values().for_each(|map| map.visit_shared(visit));
+            }
+            Self::PaintTiles { tiles, .. } => {
+                for change in tiles {
+                    visit(Arc::as_ptr(&change.tile) as usize, Tile::N_BYTES);
                 }
             }
+            Self::SetMap { map: Some(map), .. } => map.visit_shared(visit),
             Self::Batch(edits) => edits.iter().for_each(|edit| edit.visit_shared(visit)),
             Self::SetName(_)
             | Self::SetHead(None)
@@ -197,7 +271,8 @@ impl Edit {
             | Self::SetLayerName { .. }
             | Self::SetLayerVisible { .. }
             | Self::SetMaterial { .. }
-            | Self::SetStyle { .. } => {}
+            | Self::SetStyle { .. }
+            | Self::SetMap { map: None, .. } => {}
         }
     }
 }
@@ -209,6 +284,7 @@ pub(crate) mod tests {
 
     use super::*;
     use crate::look::{Scattering, Shadowing};
+    use crate::maps::tests::any_kind;
     use crate::mesh::TriMesh;
     use crate::strands::Strands;
     use crate::style::StyleKind;
@@ -250,6 +326,18 @@ pub(crate) mod tests {
                 let op = StyleOp { on: true, strength: 0.5, from: 0.0, ramp: 1.0, seed, kind };
                 Edit::SetStyle { layer_idx, style: vec![op; seed as usize] }
             }),
+            (layer_idx(), any_kind(), proptest::collection::vec((0_u32..20, any::<u8>()), 0..4)).prop_map(
+                |(layer_idx, kind, tiles)| {
+                    let change = |(tile_idx, texel)| TileChange { tile_idx, tile: Arc::new(Tile::filled(texel)) };
+                    Edit::PaintTiles { layer_idx, kind, tiles: tiles.into_iter().map(change).collect() }
+                }
+            ),
+            (layer_idx(), any_kind(), proptest::option::of((1_u32..300, any::<u8>()))).prop_map(
+                |(layer_idx, kind, map)| {
+                    let map = map.map(|(side, texel)| Arc::new(ScalpMap::filled(side, 70, texel)));
+                    Edit::SetMap { layer_idx, kind, map }
+                }
+            ),
         ]
     }
 

@@ -9,6 +9,7 @@ use crate::hair_mesh::HairMesh;
 use crate::io::Space;
 use crate::light::{Light, three_point_rig};
 use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
+use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mesh::TriMesh;
 use crate::simulation::SimulationSettings;
 use crate::strands::Strands;
@@ -78,8 +79,8 @@ pub struct Layer {
     pub seed: u32,
     pub style: Vec<StyleOp>,
     pub material: HairMaterial,
-    /// Strands per area over the scalp's texture coordinates, 0-255; `None` is everywhere full.
-    pub density: Option<Arc<ScalpMap>>,
+    /// Painted maps over the scalp's texture coordinates; a kind that is not there is everywhere its default.
+    pub maps: Maps,
     /// What the file's numbers were taken for, where the strands were imported: `io::reread` changes it.
     pub read_as: Option<Space>,
 }
@@ -93,30 +94,6 @@ pub enum Source {
     Guides(Arc<Strands>),
     /// Strands as they were imported, each its own guide.
     Strands(Arc<Strands>),
-}
-
-/// A painted map over the scalp's texture coordinates; v up, row 0 at v = 1.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ScalpMap {
-    pub width: u32,
-    pub height: u32,
-    pub texels: Vec<u8>,
-}
-
-impl ScalpMap {
-    /// Bilinear sample at texture coordinates, 0-1; clamped at the edges.
-    pub fn sample(&self, [u, v]: [f32; 2]) -> f32 {
-        let x = (u.clamp(0.0, 1.0) * self.width as f32 - 0.5).max(0.0);
-        let y = ((1.0 - v.clamp(0.0, 1.0)) * self.height as f32 - 0.5).max(0.0);
-        let texel = |x: u32, y: u32| {
-            f32::from(self.texels[(y.min(self.height - 1) * self.width + x.min(self.width - 1)) as usize]) / 255.0
-        };
-        let (x0, y0) = (x as u32, y as u32);
-        let (fx, fy) = (x - x0 as f32, y - y0 as f32);
-        let top = texel(x0, y0) * (1.0 - fx) + texel(x0 + 1, y0) * fx;
-        let bottom = texel(x0, y0 + 1) * (1.0 - fx) + texel(x0 + 1, y0 + 1) * fx;
-        top * (1.0 - fy) + bottom * fy
-    }
 }
 
 /// What the fibres are made of.
@@ -262,6 +239,11 @@ impl Layer {
         Some(format!("{}: {}", self.name, left_out(&self.style)?))
     }
 
+    /// The painted density; `None` is everywhere full.
+    pub fn density(&self) -> Option<&Arc<ScalpMap>> {
+        self.maps.get(&MapKind::Density)
+    }
+
     /// A layer of strands as imported, at the width of average hair.
     pub fn from_strands(name: &str, strands: Strands) -> Self {
         Self { n_strands: strands.n_strands() as u32, ..Self::new(name, Source::Strands(Arc::new(strands))) }
@@ -279,7 +261,7 @@ impl Layer {
             seed: 0,
             style: Vec::new(),
             material: HairMaterial::default(),
-            density: None,
+            maps: Maps::new(),
             read_as: None,
         }
     }

@@ -58,7 +58,7 @@ impl History {
         if let Some(last) = self.steps.last_mut()
             && drag.is_some()
             && last.drag == drag
-            && last.edit.overwrites(&inverse)
+            && last.edit.join(&inverse)
         {
             // The step's own inverse already leads to before the drag.
             last.state = state;
@@ -168,11 +168,14 @@ impl History {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use proptest::prelude::*;
 
     use super::*;
     use crate::edit::tests::{any_edit, small_groom};
     use crate::look::Look;
+    use crate::maps::{MapKind, Tile, TileChange};
 
     fn exposure(exposure: f32) -> Edit {
         Edit::SetLook(Box::new(Look { exposure, ..Look::default() }))
@@ -216,6 +219,29 @@ mod tests {
         history.undo(&mut groom);
         assert_eq!(groom, small_groom());
         assert!(!history.is_unsaved());
+    }
+
+    #[test]
+    fn a_stroke_over_more_and_more_tiles_is_one_step_that_keeps_each_once() {
+        let mut groom = small_groom();
+        let kind = MapKind::Length;
+        groom.layers[0].maps.insert(kind.clone(), Arc::new(kind.empty_map()));
+        let first = groom.clone();
+        let mut history = History::default();
+        for n in 1..20 {
+            let change = |tile_idx| TileChange { tile_idx, tile: Arc::new(Tile::filled(n as u8)) };
+            let edit = Edit::PaintTiles { layer_idx: 0, kind: kind.clone(), tiles: (n / 2..n).map(change).collect() };
+            history.apply(&mut groom, "Paint", edit, Merge::Drag(3)).unwrap();
+        }
+        let last = groom.clone();
+        assert_eq!(history.labels().len(), 1);
+        let mut n_bytes = 0;
+        history.steps[0].edit.visit_shared(&mut |_, size| n_bytes += size);
+        assert_eq!(n_bytes, 19 * Tile::N_BYTES, "nineteen tiles of the map's 256");
+        history.undo(&mut groom);
+        assert_eq!(groom, first);
+        history.redo(&mut groom);
+        assert_eq!(groom, last);
     }
 
     #[test]

@@ -22,6 +22,7 @@ pub mod history;
 pub mod io;
 pub mod light;
 pub mod look;
+pub mod maps;
 pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;

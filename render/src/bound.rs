@@ -13,6 +13,7 @@ use lorelei_core::clumps::Clumps;
 use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::groom::{Groom, Head, Layer, Source};
 use lorelei_core::io::Watch;
+use lorelei_core::maps::MapKind;
 
 /// A groom's layers bound to their guides and head.
 #[derive(Debug, Clone, Default)]
@@ -93,7 +94,9 @@ impl Bound {
 
     /// Whether [`Bound::update`] has more to do than to compare.
     pub fn is_behind(&self, groom: &Groom) -> bool {
-        let is_current = |layer: &Layer| self.known(layer).is_some_and(|known| known.has_clumps_of(layer));
+        let is_current = |layer: &Layer| {
+            self.known(layer).is_some_and(|known| known.has_clumps_of(layer) && known.has_maps_of(layer))
+        };
         !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
     }
 
@@ -109,13 +112,22 @@ impl Bound {
     fn known(&self, layer: &Layer) -> Option<&BoundLayer> {
         let mut alike = self.layers.iter().filter(|known| binds_alike(&known.layer, layer));
         let first = alike.clone().next();
-        alike.find(|known| known.has_clumps_of(layer)).or(first)
+        alike.find(|known| known.has_clumps_of(layer) && known.has_maps_of(layer)).or(first)
     }
 }
 
 impl BoundLayer {
     fn has_clumps_of(&self, layer: &Layer) -> bool {
         Clumps::sizes_of(&layer.style) == self.binding.clumps.sizes
+    }
+
+    /// Was it bound with these painted maps? Density is compared where places are.
+    fn has_maps_of(&self, layer: &Layer) -> bool {
+        let of = |layer: &Layer| -> Vec<_> {
+            let maps = layer.maps.iter().filter(|(kind, _)| **kind != MapKind::Density);
+            maps.map(|(kind, map)| (kind.clone(), Arc::as_ptr(map))).collect()
+        };
+        of(&self.layer) == of(layer)
     }
 }
 
@@ -142,9 +154,10 @@ fn bind(
     }
     if let Some(known) = known {
         let mut bound = BoundLayer { layer: layer.clone(), ..known.clone() };
-        if !known.has_clumps_of(layer) {
+        if !known.has_clumps_of(layer) || !known.has_maps_of(layer) {
             let mut binding = LayerBinding::clone(&known.binding);
             binding.restyle(&layer.style);
+            binding.resample_maps(layer);
             bound.binding = Arc::new(binding);
         }
         return Some(bound);
@@ -165,7 +178,7 @@ fn binds_alike(a: &Layer, b: &Layer) -> bool {
         (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
         (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
     };
-    let same_density = match (&a.density, &b.density) {
+    let same_density = match (a.density(), b.density()) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
         (None, None) => true,
         (Some(_), None) | (None, Some(_)) => false,

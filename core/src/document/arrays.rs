@@ -11,11 +11,12 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::error::DocumentError;
-use super::manifest::{Content, Manifest, Parts, density_name, faces_of, group_name, hair_mesh_name, strands_name};
+use super::manifest::{Content, Manifest, Parts, faces_of, group_name, hair_mesh_name, map_name, strands_name};
 use super::{MANIFEST, MAX_MANIFEST_BYTES};
-use crate::groom::{Groom, ScalpMap, Source};
+use crate::groom::{Groom, Source};
 use crate::hair_mesh::HairMesh;
 use crate::io::{ReadError, Watch, usable_memory};
+use crate::maps::ScalpMap;
 use crate::mesh::TriMesh;
 use crate::strands::Strands;
 
@@ -72,9 +73,9 @@ pub(super) fn write<W: Write + Seek>(
                 archive.start_file(&part.name, options(n_bytes, CompressionMethod::Stored))?;
                 let mut png = Vec::new();
                 image::codecs::png::PngEncoder::new(&mut png).write_image(
-                    &map.texels,
-                    map.width,
-                    map.height,
+                    &map.texels(),
+                    map.width(),
+                    map.height(),
                     image::ExtendedColorType::L8,
                 )?;
                 put(archive, &png)?;
@@ -124,8 +125,8 @@ pub(super) fn join<R: Read + Seek>(
             Source::Guides(_) => Source::Guides(Arc::new(arrays.strands(layer_idx)?)),
             Source::Strands(_) => Source::Strands(Arc::new(arrays.strands(layer_idx)?)),
         };
-        if let Some(map) = &mut layer.density {
-            *map = Arc::new(arrays.map(&density_name(layer_idx), map)?);
+        for (kind, map) in &mut layer.maps {
+            *map = Arc::new(arrays.map(&map_name(layer_idx, kind), map)?);
         }
     }
     Ok(groom)
@@ -232,8 +233,8 @@ impl<R: Read + Seek> Arrays<'_, R> {
         let path = self.path;
         let bad = |problem: String| DocumentError::entry(path, name, problem);
         let n = self.n_of.remove(name).unwrap_or(0);
-        if u64::from(light.width) * u64::from(light.height) != n {
-            return Err(bad(format!("{n} texels are no map of {} x {}", light.width, light.height)));
+        if u64::from(light.width()) * u64::from(light.height()) != n {
+            return Err(bad(format!("{n} texels are no map of {} x {}", light.width(), light.height())));
         }
         let mut png = Vec::new();
         let entry = self.archive.by_name(name).map_err(|error| bad(error.to_string()))?;
@@ -245,11 +246,12 @@ impl<R: Read + Seek> Arrays<'_, R> {
         }
         let size = ImageReader::with_format(Cursor::new(&png), ImageFormat::Png).into_dimensions();
         let size = size.map_err(|error| bad(error.to_string()))?;
-        if size != (light.width, light.height) {
-            return Err(bad(format!("is {} x {} where {} x {} is due", size.0, size.1, light.width, light.height)));
+        if size != (light.width(), light.height()) {
+            return Err(bad(format!("is {} x {} where {} x {} is due", size.0, size.1, light.width(), light.height())));
         }
         let picture =
             image::load_from_memory_with_format(&png, ImageFormat::Png).map_err(|error| bad(error.to_string()))?;
-        Ok(ScalpMap { width: light.width, height: light.height, texels: picture.into_luma8().into_raw() })
+        ScalpMap::from_texels(light.width(), light.height(), &picture.into_luma8().into_raw())
+            .map_err(|error| bad(error.to_string()))
     }
 }

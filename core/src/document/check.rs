@@ -18,16 +18,8 @@ pub(super) fn check(groom: &Groom) -> Result<(), String> {
             Source::Guides(strands) | Source::Strands(strands) => check_strands(strands),
         };
         checked.map_err(|problem| format!("layer `{}`: {problem}", layer.name))?;
-        if let Some(map) = &layer.density
-            && (u64::from(map.width) * u64::from(map.height) != map.texels.len() as u64 || map.texels.is_empty())
-        {
-            return Err(format!(
-                "layer `{}`: a density map of {} x {} with {} texels",
-                layer.name,
-                map.width,
-                map.height,
-                map.texels.len()
-            ));
+        if let Some((kind, _)) = layer.maps.iter().find(|(_, map)| !map.has_texels()) {
+            return Err(format!("layer `{}`: its map {kind} has no texels", layer.name));
         }
     }
     Ok(())

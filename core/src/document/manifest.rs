@@ -10,8 +10,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::error::DocumentError;
-use crate::groom::{Groom, ScalpMap, Source};
+use crate::groom::{Groom, Source};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
+use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::TriMesh;
 use crate::strands::Strands;
 
@@ -20,7 +21,7 @@ use crate::strands::Strands;
 /// To change the file so that older programs would misread it: raise this, keep the old shape as a struct
 /// of its own beside [`Manifest`], and give [`Manifest::parse`] an arm that turns it into today's. New
 /// fields need no new version: what a file lacks gets its default, what is unknown is passed over.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Manifest {
@@ -40,6 +41,50 @@ pub(super) struct ArrayInfo {
     pub n: u64,
 }
 
+/// Version 1, before there were other maps than a density: it had a field of its own.
+mod version_1 {
+    use std::sync::Arc;
+
+    use serde::Deserialize;
+
+    use super::{Manifest, MapKind, ScalpMap};
+
+    #[derive(Deserialize)]
+    struct V1 {
+        groom: Densities,
+    }
+
+    #[derive(Deserialize)]
+    struct Densities {
+        #[serde(default)]
+        layers: Vec<Density>,
+    }
+
+    #[derive(Deserialize)]
+    struct Density {
+        #[serde(default)]
+        density: Option<Size>,
+    }
+
+    #[derive(Deserialize)]
+    struct Size {
+        width: u32,
+        height: u32,
+    }
+
+    pub(super) fn parse(text: &str) -> ron::error::SpannedResult<Manifest> {
+        // Everything else is as it was; the map's array has kept its name.
+        let mut manifest: Manifest = ron::from_str(text)?;
+        let old: V1 = ron::from_str(text)?;
+        for (layer, old) in manifest.groom.layers.iter_mut().zip(old.groom.layers) {
+            if let Some(Size { width, height }) = old.density {
+                layer.maps.insert(MapKind::Density, Arc::new(ScalpMap::without_texels(width, height)));
+            }
+        }
+        Ok(manifest)
+    }
+}
+
 /// What can be read of a manifest of any version.
 #[derive(Deserialize)]
 struct AnyVersion {
@@ -55,9 +100,10 @@ impl Manifest {
         };
         let AnyVersion { version, made_by } = ron::from_str(text).map_err(damaged)?;
         match version {
-            1 => ron::from_str(text).map_err(damaged),
+            2 => ron::from_str(text).map_err(damaged),
+            1 => version_1::parse(text).map_err(damaged),
             0 => Err(DocumentError::entry(path, "manifest.ron", "has version 0, which never existed")),
-            2.. => Err(DocumentError::TooNew { path: path.to_owned(), version, made_by }),
+            3.. => Err(DocumentError::TooNew { path: path.to_owned(), version, made_by }),
         }
     }
 
@@ -83,7 +129,7 @@ impl Content<'_> {
         match self {
             Self::Floats(values) => values.len() as u64,
             Self::Whole(values) => values.len() as u64,
-            Self::Map(map) => map.texels.len() as u64,
+            Self::Map(map) => u64::from(map.width()) * u64::from(map.height()),
         }
     }
 }
@@ -105,8 +151,8 @@ pub(super) fn split(groom: &Groom) -> Parts<'_> {
             Source::HairMesh(hair_mesh) => put_hair_mesh(&mut arrays, layer_idx, hair_mesh),
             Source::Guides(strands) | Source::Strands(strands) => put_strands(&mut arrays, layer_idx, strands),
         }
-        if let Some(map) = &layer.density {
-            arrays.push(Part { name: density_name(layer_idx), content: Content::Map(map) });
+        for (kind, map) in &layer.maps {
+            arrays.push(Part { name: map_name(layer_idx, kind), content: Content::Map(map) });
         }
     }
     arrays.retain(|part| part.content.n() > 0);
@@ -140,8 +186,8 @@ fn emptied(groom: &Groom) -> Groom {
             Source::Guides(_) => Source::Guides(Arc::new(Strands::default())),
             Source::Strands(_) => Source::Strands(Arc::new(Strands::default())),
         };
-        if let Some(map) = &mut layer.density {
-            *map = Arc::new(ScalpMap { texels: Vec::new(), ..**map });
+        for map in layer.maps.values_mut() {
+            *map = Arc::new(ScalpMap::without_texels(map.width(), map.height()));
         }
     }
     light
@@ -232,6 +278,16 @@ pub(super) fn hair_mesh_name(layer_idx: usize, k: usize, name: &str) -> String {
     format!("layers/{layer_idx}/hair_mesh/{k}/{name}")
 }
 
-pub(super) fn density_name(layer_idx: usize) -> String {
-    format!("layers/{layer_idx}/density.png")
+/// A mask's own name may hold anything: what is no letter or digit is written as its number.
+pub(super) fn map_name(layer_idx: usize, kind: &MapKind) -> String {
+    let escaped = |c: char| match c {
+        'a'..='z' | 'A'..='Z' | '0'..='9' | '-' => c.to_string(),
+        _ => format!("%{:x}.", u32::from(c)),
+    };
+    let word = kind.to_string();
+    let name = match word.split_once(':') {
+        Some((kind, of)) => format!("{kind}_{}", of.chars().map(escaped).collect::<String>()),
+        None => word,
+    };
+    format!("layers/{layer_idx}/{name}.png")
 }

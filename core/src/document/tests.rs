@@ -8,9 +8,11 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::{DocumentError, open, open_bytes, save};
-use crate::groom::{Groom, Head, Layer, ScalpMap, Source};
+use crate::groom::{Groom, Head, Layer, Source};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
 use crate::io::{ReadError, Space};
+use crate::maps::tests::any_kind;
+use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::{FaceGroup, TriMesh};
 use crate::strands::Strands;
 
@@ -92,16 +94,16 @@ fn layer() -> impl Strategy<Value = Layer> {
         strands().prop_map(|strands| Source::Guides(Arc::new(strands))),
         hair_mesh().prop_map(|mesh| Source::HairMesh(Arc::new(mesh))),
     ];
-    let map = prop::option::of((1..9u32, 1..9u32, any::<u8>()));
+    let map = prop::collection::vec((1..90u32, 1..9u32, any::<u8>(), any_kind()), 0..3);
     (source, map, ".{0,12}", number(), any::<u32>()).prop_map(|(source, map, name, radius_um, seed)| {
         let mut layer = Layer::new(&name, source);
         layer.radius_um = radius_um;
         layer.seed = seed;
         layer.material.eumelanin = radius_um;
-        layer.density = map.map(|(width, height, first)| {
-            let texels = (0..width * height).map(|at| first.wrapping_add((at * 37) as u8)).collect();
-            Arc::new(ScalpMap { width, height, texels })
-        });
+        layer.maps.extend(map.into_iter().map(|(width, height, first, kind)| {
+            let texel = |x, y| first.wrapping_add(((x + y * width) * 37) as u8);
+            (kind, Arc::new(ScalpMap::from_fn(width, height, texel).expect("a size within the limits")))
+        }));
         layer
     })
 }
@@ -134,7 +136,9 @@ fn sample() -> Groom {
         ],
     };
     let mut first = Layer::from_strands("strands", strands);
-    first.density = Some(Arc::new(ScalpMap { width: 2, height: 3, texels: vec![0, 50, 100, 150, 200, 255] }));
+    let map = |texels: &[u8]| Arc::new(ScalpMap::from_texels(2, 3, texels).expect("six texels"));
+    first.maps.insert(MapKind::Density, map(&[0, 50, 100, 150, 200, 255]));
+    first.maps.insert(MapKind::Mask("Pony \u{e9}/..:".to_owned()), map(&[9, 8, 7, 6, 5, 4]));
     let head = TriMesh { positions, triangles: vec![[0, 1, 2]], ..TriMesh::default() };
     Groom {
         head: Some(Head::new("Head", head)),
@@ -221,6 +225,20 @@ fn a_newer_version_is_refused_politely_whatever_it_holds() {
     let error = open_bytes("groom.lorelei", &newer).expect_err("it is newer");
     assert!(matches!(error, DocumentError::TooNew { version: 7, .. }), "{error}");
     assert!(error.to_string().contains("Lorelei 9.1") && error.to_string().contains("Update Lorelei"));
+}
+
+#[test]
+fn a_density_of_version_1_becomes_a_map() {
+    let old = with_manifest(|text| {
+        // Version 1 knew no `maps`.
+        let begin = text.find("maps: {").expect("a field");
+        let end = begin + text[begin..].find("},").expect("its end") + 2;
+        let text = format!("{}density: Some((width: 2, height: 3, texels: [])),{}", &text[..begin], &text[end..]);
+        text.replace("version: 2", "version: 1")
+    });
+    let groom = open_bytes("groom.lorelei", &old).expect("version 1 is still read");
+    assert_eq!(groom.layers[0].maps.keys().collect::<Vec<_>>(), [&MapKind::Density]);
+    assert_eq!(groom.layers[0].density(), sample().layers[0].density());
 }
 
 #[test]

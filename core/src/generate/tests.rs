@@ -5,9 +5,10 @@ use std::sync::Arc;
 use super::*;
 use crate::binding::bind_layer;
 use crate::curve::catmull_rom;
-use crate::groom::{Head, ScalpMap, Source};
+use crate::groom::{Head, Source};
 use crate::hair_mesh::tests::straight_grid;
 use crate::hair_mesh::{HairMesh, Weld};
+use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mean_value::mean_value_weights;
 use crate::mesh::TriMesh;
 use crate::mesh_query::tests::sphere;
@@ -243,16 +244,45 @@ fn a_painted_map_places_every_strand_where_it_is_painted() {
     mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
     mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
     // A strip one twentieth of the ball wide.
-    let texels = (0..40 * 40).map(|i| if i % 40 == 22 || i % 40 == 23 { 255 } else { 0 }).collect();
-    let map = ScalpMap { width: 40, height: 40, texels };
-    let layer = Layer { density: Some(Arc::new(map)), ..layer(mesh, 3000) };
+    let density = |map| Maps::from([(MapKind::Density, Arc::new(map))]);
+    let map = ScalpMap::from_fn(40, 40, |x, _| if x == 22 || x == 23 { 255 } else { 0 }).unwrap();
+    let layer = Layer { maps: density(map), ..layer(mesh, 3000) };
     let binding = bind_layer(&layer, Some(&head));
     assert_eq!(binding.n_strands(), 3000);
     for uv in &binding.root_uvs {
         assert!((21.5 / 40.0..24.5 / 40.0).contains(&uv[0]), "{uv:?}");
     }
-    let empty = ScalpMap { width: 1, height: 1, texels: vec![0] };
-    assert_eq!(bind_layer(&Layer { density: Some(Arc::new(empty)), ..layer }, Some(&head)).n_strands(), 0);
+    let empty = Layer { maps: density(ScalpMap::filled(1, 1, 0)), ..layer };
+    assert_eq!(bind_layer(&empty, Some(&head)).n_strands(), 0);
+}
+
+#[test]
+fn every_strand_knows_what_the_maps_say_at_its_root() {
+    let mut ball = sphere(Vec3::ZERO, 8.0, 48);
+    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
+    let head = Head::new("ball", ball);
+    let mut mesh = straight_grid(4, 0);
+    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
+    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    let ramp = Arc::new(ScalpMap::from_fn(128, 128, |x, _| 2 * x as u8).unwrap());
+    let mut layer = layer(mesh, 500);
+    layer.maps = [MapKind::Length, MapKind::Width, MapKind::Density].map(|kind| (kind, Arc::clone(&ramp))).into();
+    let binding = bind_layer(&layer, Some(&head));
+    assert_eq!(binding.maps, [MapKind::Length, MapKind::Width], "density is in the number of strands");
+    let [length, width] = [MapKind::Length, MapKind::Width].map(|kind| binding.map_idx(&kind));
+    for (strand_idx, uv) in binding.root_uvs.iter().enumerate() {
+        let share = 2.0 * (128.0 * uv[0] - 0.5) / 255.0;
+        assert!((binding.map_value(strand_idx, length, 1.0) - share).abs() < 1e-3, "{uv:?}");
+        assert!((binding.map_value(strand_idx, width, 1.0) - share * 255.0 / 128.0).abs() < 2e-3);
+        assert_eq!(binding.map_value(strand_idx, None, 0.5), 0.5);
+    }
+    // Other maps of the same roots are asked without binding again.
+    let mut other = layer.clone();
+    other.maps.insert(MapKind::Curl, Arc::new(ScalpMap::filled(4, 4, 51)));
+    let mut resampled = binding;
+    resampled.resample_maps(&other);
+    assert_eq!(resampled, bind_layer(&other, Some(&head)));
+    assert!((resampled.map_value(7, resampled.map_idx(&MapKind::Curl), 1.0) - 0.2).abs() < 1e-6);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use super::space::{Axis, Unit};
 use super::{read_mesh, read_strands};
 use crate::document::{self, DocumentError};
 use crate::groom::{Groom, Source};
+use crate::maps::MapKind;
 
 /// A summary of a file. Bounds are in the file's own numbers, `unit` and `up` say what they mean.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -121,7 +122,8 @@ fn of_document(groom: &Groom) -> Info {
                 note("root_uv", !strands.root_uvs.is_empty());
             }
         }
-        note("density_map", layer.density.is_some());
+        note("density_map", layer.density().is_some());
+        note("maps", layer.maps.keys().any(|kind| *kind != MapKind::Density));
     }
     note("head", groom.head.is_some());
     let first = points.first().copied().unwrap_or_default();

@@ -14,9 +14,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lorelei_core::distance_field::DistanceField;
-use lorelei_core::groom::{Groom, Layer, ScalpMap, Source};
+use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::grow::{Growth, grow};
 use lorelei_core::hair_mesh::HairMesh;
+use lorelei_core::maps::{MapKind, Maps, ScalpMap};
 use lorelei_core::mesh::TriMesh;
 use lorelei_core::style::{StyleKind, StyleOp};
 
@@ -87,7 +88,7 @@ impl Studio {
     fn main_layer(&self, layout: &Layout, mesh: HairMesh) -> Layer {
         Layer {
             n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
-            density: Some(Arc::new(self.chart.hair_density(layout))),
+            maps: density(Arc::new(self.chart.hair_density(layout))),
             seed: 1,
             ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
         }
@@ -110,7 +111,7 @@ impl Studio {
             seed: 3,
             radius_um: 0.55 * main.radius_um,
             tip_radius: 0.2,
-            density: Some(Arc::clone(&self.baby)),
+            maps: density(Arc::clone(&self.baby)),
             style: vec![
                 op(StyleKind::Length { variation: 0.7, strands_per_clump: 1.0 }),
                 op(StyleKind::Clump { strands_per_clump: 12.0, flare: 0.2, stray: 0.6 }),
@@ -180,10 +181,14 @@ fn fly_aways(studio: &Studio, main: &Layer, amplitude: f32, extra: Vec<StyleOp>)
         n_strands: N_FLY_AWAYS,
         seed: 2,
         radius_um: 0.85 * main.radius_um,
-        density: Some(Arc::clone(&studio.fly_away)),
+        maps: density(Arc::clone(&studio.fly_away)),
         style,
         ..main.clone()
     }
+}
+
+fn density(map: Arc<ScalpMap>) -> Maps {
+    Maps::from([(MapKind::Density, map)])
 }
 
 fn op(kind: StyleKind) -> StyleOp {

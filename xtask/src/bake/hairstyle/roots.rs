@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use glam::{Vec2, Vec3, vec2};
-use lorelei_core::groom::ScalpMap;
+use lorelei_core::maps::ScalpMap;
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
 
 use crate::bake::sdf::smoothstep;
@@ -276,8 +276,8 @@ impl ScalpChart {
                 }
             }
         }
-        let texels = texels.into_iter().map(|d| (255.0 * d).round() as u8).collect();
-        ScalpMap { width: MAP_SIZE, height: MAP_SIZE, texels }
+        let texel = |x: u32, y: u32| (255.0 * texels[(y * MAP_SIZE + x) as usize]).round() as u8;
+        ScalpMap::from_fn(MAP_SIZE, MAP_SIZE, texel).expect("a size within the limits")
     }
 
     /// Distance from the hairline, centimetres.
