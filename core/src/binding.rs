@@ -4,10 +4,12 @@
 //! (`generate/`, `generate.wgsl`) reads both. Strands are in their order of detail: the first n strands
 //! of a layer are a good n strands.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::clumps::{Clumps, Path};
+use crate::clumps::{BundleReach, Clumps, Path};
 use crate::groom::{Head, Layer, Source};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
@@ -26,6 +28,14 @@ use crate::style::StyleOp;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LayerBinding {
     pub guides: GuideSet,
+    /// Parameters of the guides' vertices, 0 root to 1 tip, one run of `guides.n_vertices` for every height of bundle.
+    pub knots: Vec<f32>,
+    /// Per strand: where its run begins in `knots`.
+    pub first_knots: Vec<u32>,
+    /// Per strand its bundle; empty where the source is no hair mesh.
+    pub bundles: Vec<u32>,
+    /// Which bundles may share a clump.
+    pub reach: Option<Arc<BundleReach>>,
     /// Strand `s` has `influences[influence_offsets[s]..influence_offsets[s + 1]]`.
     pub influence_offsets: Vec<u32>,
     pub influences: Vec<Influence>,
@@ -119,15 +129,26 @@ impl LayerBinding {
         let paths: Vec<Path> = (0..self.n_strands())
             .into_par_iter()
             .map(|strand_idx| {
+                if let Some(&bundle) = self.bundles.get(strand_idx) {
+                    return Path { root: self.roots[strand_idx], bundle, ..Path::default() };
+                }
                 let root = at(strand_idx, 0);
                 Path {
+                    bundle: 0,
                     root: self.roots[strand_idx],
                     to_middle: at(strand_idx, (n_vertices - 1) * 2 / 5) - root,
                     to_tip: at(strand_idx, n_vertices - 1) - root,
                 }
             })
             .collect();
-        self.clumps = Clumps::of_style(style, &paths);
+        self.clumps = Clumps::of_style(style, &paths, self.reach.as_deref());
+    }
+
+    /// The same strands of a hair mesh whose vertices above the root layer have moved: see
+    /// [`HairMesh::differs_in_shape_only`].
+    pub fn moved(&self, mesh: &HairMesh) -> Self {
+        let (guides, knots) = GuideSet::of_chains(mesh, &mesh.chains());
+        Self { guides, knots, ..self.clone() }
     }
 
     /// Ask the layer's painted maps again; nothing else depends on them, density apart.
@@ -158,6 +179,9 @@ impl LayerBinding {
     /// Bytes held by the arrays.
     pub fn n_bytes(&self) -> usize {
         self.guides.n_bytes()
+            + size_of_val(self.knots.as_slice())
+            + size_of_val(self.first_knots.as_slice())
+            + size_of_val(self.bundles.as_slice())
             + size_of_val(self.influence_offsets.as_slice())
             + size_of_val(self.influences.as_slice())
             + self.n_strands() * (2 * 4 + 3 * 12)
@@ -169,6 +193,7 @@ impl LayerBinding {
 
     fn with_capacity(guides: GuideSet, n_strands: usize) -> Self {
         Self {
+            knots: guides.even_knots(),
             guides,
             influence_offsets: Vec::from([0]),
             influences: Vec::with_capacity(4 * n_strands),
@@ -185,6 +210,7 @@ impl LayerBinding {
     }
 
     fn push_id(&mut self, id: u32, layer: &Layer) {
+        self.first_knots.push(0);
         self.ids.push(id);
         self.seeds.push(combine(id, layer.seed));
     }
@@ -313,7 +339,7 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
         return LayerBinding::with_capacity(GuideSet { n_vertices: 2, positions: Vec::new() }, 0);
     }
     let chains = mesh.chains();
-    let guides = GuideSet::of_chains(mesh, &chains);
+    let (guides, knots) = GuideSet::of_chains(mesh, &chains);
     let surface = RootSurface::of_hair_mesh(mesh);
     let normals = root_layer_normals(mesh);
     let corners_of = |root: &Root| -> Vec<Vec3> {
@@ -343,12 +369,17 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
         })
         .collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
+    binding.knots = knots;
+    binding.reach = Some(Arc::new(BundleReach::of(mesh)));
     for ((id, root, place), weights) in scattered.iter().zip(weights) {
         let guides = &chains.of_bundle[root.face as usize];
         binding.push_influences(guides.iter().zip(weights).map(|(&guide_idx, weight)| Influence { guide_idx, weight }));
         binding.push_id(*id, layer);
         binding.push_place(place, scalp);
+        binding.bundles.push(root.face);
     }
+    let n_gaps = |bundle: u32| mesh.tip_layer(bundle as usize).unwrap_or(0) as u32;
+    binding.first_knots = binding.bundles.iter().map(|&bundle| n_gaps(bundle) * binding.guides.n_vertices).collect();
     binding.measure_offsets();
     binding
 }

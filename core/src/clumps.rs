@@ -3,13 +3,16 @@
 //!
 //! The first strands of a layer are spread evenly over the scalp, so the first n / size of them are the
 //! middles of n / size clumps, and the middles of a coarser size are among those of a finer one. A strand
-//! belongs to the nearest middle, by the distance of their roots and of their paths: so clumps do not
-//! reach across a parting. Clumps nest: a fine clump lies in one lock. Clustering by k-means was
-//! rejected: every clump moves when one strand is added.
+//! belongs to the nearest middle, by the distance of their roots, and clumps do not reach across a parting.
+//! What a parting is, a hair mesh says by its topology: bundles that hold together from root to tip. So moving
+//! its vertices changes no strand's clump. Imported strands have no topology; there the distance of their paths
+//! counts too. Clumps nest: a fine clump lies in one lock. Clustering by k-means was rejected: every clump moves
+//! when one strand is added.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
+use crate::hair_mesh::HairMesh;
 use crate::point_grid::PointGrid;
 use crate::style::{StyleKind, StyleOp};
 
@@ -26,11 +29,83 @@ pub struct Clumps {
 }
 
 /// What clumps are found by: the root, and the path from there to two places up the strand.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Path {
     pub root: Vec3,
+    /// 0 in a hair mesh.
     pub to_middle: Vec3,
     pub to_tip: Vec3,
+    /// In a hair mesh: the bundle.
+    pub bundle: u32,
+}
+
+/// Which bundles of a hair mesh may share a clump.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct BundleReach {
+    /// Per bundle: itself and all within [`N_HOPS`] shared sides, ascending.
+    within: Vec<Vec<u32>>,
+}
+
+/// A lock of a centimetre or three spans so many of the bundles that artists make.
+const N_HOPS: usize = 3;
+
+impl BundleReach {
+    /// Two bundles hold together where a side is shared in every layer that both have.
+    pub fn of(mesh: &HairMesh) -> Self {
+        use std::collections::HashMap;
+        let n_bundles = mesh.n_bundles();
+        let mut on_root_edge: HashMap<[u32; 2], Vec<(usize, usize)>> = HashMap::new();
+        for bundle in 0..n_bundles {
+            let Some(face) = mesh.face(0, bundle) else { continue };
+            for i in 0..face.len() {
+                let (a, b) = (face[i], face[(i + 1) % face.len()]);
+                on_root_edge.entry([a.min(b), a.max(b)]).or_default().push((bundle, i));
+            }
+        }
+        // A side by its two corners, whichever way round the face goes.
+        let side = |layer: usize, (bundle, i): (usize, usize)| {
+            let face = mesh.face(layer, bundle)?;
+            let (a, b) = (face[i], face[(i + 1) % face.len()]);
+            Some([a.min(b), a.max(b)])
+        };
+        let mut neighbours: Vec<Vec<u32>> = vec![Vec::new(); n_bundles];
+        for users in on_root_edge.values() {
+            for (n, &a) in users.iter().enumerate() {
+                for &b in &users[n + 1..] {
+                    let holds = (1..mesh.layers.len())
+                        .map_while(|layer| Some(side(layer, a)? == side(layer, b)?))
+                        .all(|is_shared| is_shared);
+                    if holds && a.0 != b.0 {
+                        neighbours[a.0].push(b.0 as u32);
+                        neighbours[b.0].push(a.0 as u32);
+                    }
+                }
+            }
+        }
+        let mut within = Vec::with_capacity(n_bundles);
+        for bundle in 0..n_bundles as u32 {
+            let mut reached = vec![bundle];
+            let mut first_of_ring = 0;
+            for _ in 0..N_HOPS {
+                let ring = first_of_ring..reached.len();
+                first_of_ring = ring.end;
+                for i in ring {
+                    for next in neighbours[reached[i] as usize].iter().copied() {
+                        if !reached.contains(&next) {
+                            reached.push(next);
+                        }
+                    }
+                }
+            }
+            reached.sort_unstable();
+            within.push(reached);
+        }
+        Self { within }
+    }
+
+    pub fn reaches(&self, from: u32, to: u32) -> bool {
+        self.within[from as usize].binary_search(&to).is_ok()
+    }
 }
 
 impl Path {
@@ -55,8 +130,8 @@ impl Clumps {
         sizes
     }
 
-    /// Find the clumps of strands in their order of detail.
-    pub fn of_style(style: &[StyleOp], paths: &[Path]) -> Self {
+    /// Find the clumps of strands in their order of detail; `reach` where the strands are a hair mesh's.
+    pub fn of_style(style: &[StyleOp], paths: &[Path], reach: Option<&BundleReach>) -> Self {
         let sizes = Self::sizes_of(style);
         let n_sizes = sizes.len();
         let mut middles = vec![0; paths.len() * n_sizes];
@@ -68,7 +143,7 @@ impl Clumps {
         let mut n_members = paths.len();
         for &size in &sizes {
             let n_middles = ((paths.len() as f32 / size).round() as usize).clamp(1, n_members);
-            by_size.push(nearest_middles(&paths[..n_members], n_middles));
+            by_size.push(nearest_middles(&paths[..n_members], n_middles, reach));
             n_members = n_middles;
         }
         for (strand_idx, of_strand) in middles.chunks_exact_mut(n_sizes).enumerate() {
@@ -94,7 +169,8 @@ impl Clumps {
 }
 
 /// For each path the nearest of the first `n_middles`.
-fn nearest_middles(paths: &[Path], n_middles: usize) -> Vec<u32> {
+fn nearest_middles(paths: &[Path], n_middles: usize, reach: Option<&BundleReach>) -> Vec<u32> {
+    let may_share = |a: &Path, b: &Path| reach.is_none_or(|reach| reach.reaches(a.bundle, b.bundle));
     let roots: Vec<Vec3> = paths[..n_middles].iter().map(|path| path.root).collect();
     // The middles' spacing: the mean distance of neighbours among some of them.
     let first = roots.first().copied().unwrap_or_default();
@@ -113,7 +189,7 @@ fn nearest_middles(paths: &[Path], n_middles: usize) -> Vec<u32> {
             }
             let mut best = (f32::INFINITY, u32::MAX);
             grid.within(path.root, 2.5 * spacing, |middle, root_squared| {
-                if root_squared < best.0 {
+                if root_squared < best.0 && may_share(path, &paths[middle]) {
                     let squared = path.distance_squared(&paths[middle]);
                     best = if (squared, middle as u32) < best { (squared, middle as u32) } else { best };
                 }
@@ -143,6 +219,7 @@ mod tests {
                 root: root.position,
                 to_middle: Vec3::new(4.0 * side(root.position.x), -2.0, 0.0),
                 to_tip: Vec3::new(6.0 * side(root.position.x), -9.0, 0.0),
+                bundle: root.face,
             })
             .collect()
     }
@@ -150,7 +227,7 @@ mod tests {
     #[test]
     fn clumps_have_about_their_size_nest_and_do_not_cross_a_parting() {
         let paths = parted();
-        let clumps = Clumps::of_style(&[clump(400.0), clump(40.0), clump(400.0), clump(1.0)], &paths);
+        let clumps = Clumps::of_style(&[clump(400.0), clump(40.0), clump(400.0), clump(1.0)], &paths, None);
         assert_eq!(clumps.sizes, [40.0, 400.0]);
         let mut lock_of_clump = vec![None; 100];
         let mut n_members = vec![0; 100];
@@ -167,8 +244,26 @@ mod tests {
 
     #[test]
     fn a_clump_larger_than_the_layer_is_one_clump() {
-        let clumps = Clumps::of_style(&[clump(1e6)], &parted()[..50]);
+        let clumps = Clumps::of_style(&[clump(1e6)], &parted()[..50], None);
         assert!(clumps.middles.iter().all(|&m| m == 0));
-        assert!(Clumps::of_style(&[clump(10.0)], &[]).middles.is_empty());
+        assert!(Clumps::of_style(&[clump(10.0)], &[], None).middles.is_empty());
+    }
+
+    #[test]
+    fn in_a_hair_mesh_the_topology_is_the_parting() {
+        use crate::hair_mesh::Weld;
+        let mut mesh = straight_grid(8, 0);
+        let (left, right): (Vec<usize>, Vec<usize>) = (0..64).partition(|bundle| bundle % 8 < 4);
+        mesh.extrude(&left, Weld::Neighbours, |v| v.position + Vec3::Y).unwrap();
+        mesh.extrude(&right, Weld::Apart, |v| v.position + Vec3::Y).unwrap();
+        let reach = BundleReach::of(&mesh);
+        assert!(reach.reaches(3, 0) && reach.reaches(3, 11) && !reach.reaches(3, 4) && !reach.reaches(0, 24 + 1));
+        let paths: Vec<Path> =
+            parted().into_iter().map(|path| Path { to_middle: Vec3::ZERO, to_tip: Vec3::ZERO, ..path }).collect();
+        let clumps = Clumps::of_style(&[clump(40.0)], &paths, Some(&reach));
+        for (strand_idx, path) in paths.iter().enumerate() {
+            let middle = &paths[clumps.middle(strand_idx, Some(0))];
+            assert_eq!(path.root.x < 4.0, middle.root.x < 4.0);
+        }
     }
 }

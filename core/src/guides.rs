@@ -4,9 +4,11 @@
 //! are guides, and a strand's mean value coordinates in its face are its weights. So solver and
 //! generator know one input. Guides have one vertex count for all, so that index arithmetic is a product.
 //!
-//! A chain is resampled along its Catmull-Rom curve with the hair mesh's own vertices among the samples,
-//! each layer gap divided by its mean length: blending resampled chains is then exactly the paper's
-//! tracing at the layers, and the spacing stays even enough for the solver.
+//! A chain is resampled along its Catmull-Rom curve with the hair mesh's own vertices among the samples, every
+//! gap between two layers divided alike: blending resampled chains is then exactly the paper's tracing at the
+//! layers. Dividing long gaps into more parts was rejected: while a vertex is dragged, a part would jump from
+//! one gap to the next, and every strand with it. Instead a strand's parameter runs evenly over the mean length
+//! of the gaps ([`GuideSet::of_chains`]' knots), which changes smoothly with the mesh.
 
 use glam::Vec3;
 
@@ -50,7 +52,10 @@ impl GuideSet {
     }
 
     /// The chains of a hair mesh, resampled to one vertex count. Guide `i` is `chains.chains[i]`.
-    pub fn of_chains(mesh: &HairMesh, chains: &Chains) -> Self {
+    ///
+    /// Also the knots of every height of bundle: vertex `k` of a guide with `n_gaps` gaps is at the parameter
+    /// `knots[n_gaps * n_vertices + k]`, 0 root to 1 tip, by the mean length of the gaps.
+    pub fn of_chains(mesh: &HairMesh, chains: &Chains) -> (Self, Vec<f32>) {
         let n_gaps_most = mesh.layers.len().saturating_sub(1);
         let n_gaps = n_gaps_most.max(1);
         // Every gap alike where that is possible.
@@ -62,23 +67,30 @@ impl GuideSet {
             .map(|chain| chain.iter().zip(&mesh.layers).map(|(&v, layer)| layer.positions[v as usize]).collect())
             .collect();
         // All bundles of one height share their parameters: only then may their chains be blended.
-        let parameters_of_height: Vec<Vec<f32>> = (0..=n_gaps_most)
-            .map(|n_gaps| {
-                let mut gap_length = vec![0.0; n_gaps];
-                for points in control.iter().filter(|points| points.len() == n_gaps + 1) {
-                    for (length, ends) in gap_length.iter_mut().zip(points.windows(2)) {
-                        *length += ends[0].distance(ends[1]);
-                    }
+        let parameters_of_height: Vec<Vec<f32>> =
+            (0..=n_gaps_most).map(|n_gaps| divide_gaps(n_gaps, n_vertices - 1)).collect();
+        let mut knots = Vec::with_capacity(n_vertices * parameters_of_height.len());
+        for (n_gaps, parameters) in parameters_of_height.iter().enumerate() {
+            let mut gap_length = vec![0.0; n_gaps];
+            for points in control.iter().filter(|points| points.len() == n_gaps + 1) {
+                for (length, ends) in gap_length.iter_mut().zip(points.windows(2)) {
+                    *length += ends[0].distance(ends[1]);
                 }
-                divide_gaps(&gap_length, n_vertices - 1)
-            })
-            .collect();
+            }
+            knots.extend(knots_of(&gap_length, parameters));
+        }
         let mut positions = Vec::with_capacity(control.len() * n_vertices);
         for points in &control {
             let parameters = &parameters_of_height[points.len() - 1];
             positions.extend(parameters.iter().map(|&u| catmull_rom(points, u)));
         }
-        Self { n_vertices: n_vertices as u32, positions }
+        (Self { n_vertices: n_vertices as u32, positions }, knots)
+    }
+
+    /// Knots of guides whose vertices are evenly spaced.
+    pub fn even_knots(&self) -> Vec<f32> {
+        let last = self.n_vertices.max(2) - 1;
+        (0..=last).map(|k| k as f32 / last as f32).collect()
     }
 
     /// Imported curves. Where all have one moderate point count they stay as they are; otherwise they are
@@ -107,24 +119,44 @@ impl GuideSet {
     }
 }
 
-/// Parameters of `n_segments + 1` samples over gaps of the given lengths: every gap's ends are samples,
-/// and gaps are divided in proportion to their length. One sample at 0 repeated where there is no gap.
-fn divide_gaps(gap_length: &[f32], n_segments: usize) -> Vec<f32> {
-    let n_gaps = gap_length.len();
+/// Parameters of `n_segments + 1` samples over `n_gaps` gaps of length 1: every gap's ends are samples, and no gap
+/// has more than one part more than another. One sample at 0 repeated where there is no gap.
+fn divide_gaps(n_gaps: usize, n_segments: usize) -> Vec<f32> {
     if n_gaps == 0 {
         return vec![0.0; n_segments + 1];
     }
-    let mut n_parts = vec![1_usize; n_gaps];
-    for _ in n_gaps..n_segments {
-        let longest = |gap: &usize| gap_length[*gap] / n_parts[*gap] as f32;
-        let gap = (0..n_gaps).max_by(|a, b| longest(a).total_cmp(&longest(b)).then(b.cmp(a))).unwrap_or(0);
-        n_parts[gap] += 1;
-    }
     let mut parameters = vec![0.0];
-    for (gap, &n_parts) in n_parts.iter().enumerate() {
+    for gap in 0..n_gaps {
+        // The first gaps, where hair bends most, get the parts that are left over.
+        let n_parts = n_segments / n_gaps + usize::from(gap < n_segments % n_gaps);
         parameters.extend((1..=n_parts).map(|part| gap as f32 + part as f32 / n_parts as f32));
     }
     parameters
+}
+
+/// How far along the whole length (0-1) samples at `parameters` are, where gap `i` has `gap_length[i]`.
+fn knots_of(gap_length: &[f32], parameters: &[f32]) -> Vec<f32> {
+    let total: f32 = gap_length.iter().sum();
+    let last = (parameters.len() - 1) as f32;
+    if total <= 0.0 {
+        return (0..parameters.len()).map(|k| k as f32 / last).collect();
+    }
+    let up_to: Vec<f32> = std::iter::once(0.0)
+        .chain(gap_length.iter().scan(0.0, |sum, length| {
+            *sum += length / total;
+            Some(*sum)
+        }))
+        .collect();
+    let at = |u: f32| {
+        let gap = (u as usize).min(gap_length.len() - 1);
+        up_to[gap] + (u - gap as f32) * (up_to[gap + 1] - up_to[gap])
+    };
+    let mut knots: Vec<f32> = parameters.iter().map(|&u| at(u)).collect();
+    // Rounding must not leave the tip out.
+    if let Some(tip) = knots.last_mut() {
+        *tip = 1.0;
+    }
+    knots
 }
 
 #[cfg(test)]
@@ -138,17 +170,21 @@ mod tests {
         let mut mesh = straight_grid(2, 3);
         mesh.extrude(&[0, 1], Weld::Neighbours, |v| v.position + Vec3::new(0.5, 4.0, 1.0)).unwrap();
         let chains = mesh.chains();
-        let guides = GuideSet::of_chains(&mesh, &chains);
+        let (guides, knots) = GuideSet::of_chains(&mesh, &chains);
         assert_eq!((guides.n_guides(), guides.n_vertices), (chains.chains.len(), 17));
+        assert_eq!(knots.len(), 17 * mesh.layers.len());
         for (guide_idx, chain) in chains.chains.iter().enumerate() {
             for (layer, &v) in mesh.layers.iter().zip(chain) {
                 let p = layer.positions[v as usize];
                 assert!(guides.guide(guide_idx).iter().any(|q| q.distance(p) < 1e-5), "{p}");
             }
-            let steps: Vec<f32> = guides.guide(guide_idx).windows(2).map(|s| s[0].distance(s[1])).collect();
-            let (min, max) = steps.iter().fold((f32::MAX, 0.0_f32), |(lo, hi), &s| (lo.min(s), hi.max(s)));
-            assert!(max < 2.2 * min, "{steps:?}");
         }
+        // Evenly spaced knots are evenly spaced along the mean chain of their height, long gap or short.
+        let tall = &knots[4 * 17..];
+        assert_eq!((tall[0], tall[16]), (0.0, 1.0));
+        let long_gap = Vec3::new(0.5, 4.0, 1.0).length();
+        assert!((tall[12] - 3.0 / (3.0 + long_gap)).abs() < 1e-5, "{tall:?}");
+        assert!(tall.windows(2).all(|pair| pair[1] > pair[0]));
     }
 
     #[test]

@@ -115,6 +115,13 @@ impl HairMesh {
         })
     }
 
+    /// Whether `other` has the same faces and the same root layer: the same strands grow on it, along other paths.
+    pub fn differs_in_shape_only(&self, other: &Self) -> bool {
+        self.layers.len() == other.layers.len()
+            && self.layers.first().map(|root| &root.positions) == other.layers.first().map(|root| &root.positions)
+            && self.layers.iter().zip(&other.layers).all(|(a, b)| a.faces == b.faces)
+    }
+
     /// Smallest box around all vertices as (min, max); `None` where there are none.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut all = self.layers.iter().flat_map(|layer| layer.positions.iter().copied());

@@ -29,7 +29,7 @@ pub struct Bound {
 pub(crate) struct BoundLayer {
     layer: Layer,
     pub(crate) binding: Arc<LayerBinding>,
-    /// The same number: the same guides, roots and weights. The clumps may differ.
+    /// The same number: the same roots and weights. The clumps may differ, and the guides may have moved.
     pub(crate) places: u64,
 }
 
@@ -65,14 +65,14 @@ impl Bound {
     fn update_with(&self, groom: &Groom, watch: Watch<'_>, has_field: bool) -> Option<Self> {
         let mut warnings = Vec::new();
         let is_same_head = self.has_head_of(groom);
-        let known: Vec<Option<&BoundLayer>> =
-            groom.layers.iter().map(|layer| self.known(layer).filter(|_| is_same_head)).collect();
-        let cost_of = |layer: &Layer, known: Option<&BoundLayer>| -> f32 {
+        let known: Vec<Option<BoundLayer>> =
+            groom.layers.iter().map(|layer| self.known_or_moved(layer).filter(|_| is_same_head)).collect();
+        let cost_of = |layer: &Layer, known: &Option<BoundLayer>| -> f32 {
             let cost = if known.is_some() { 0.0 } else { 1.0 };
             cost * layer.n_strands as f32 * 1e-5
         };
         let field_cost = if is_same_head { 0.0 } else { FIELD_SHARE };
-        let all: f32 = groom.layers.iter().zip(&known).map(|(layer, known)| cost_of(layer, *known)).sum();
+        let all: f32 = groom.layers.iter().zip(&known).map(|(layer, known)| cost_of(layer, known)).sum();
         let all = (all + field_cost).max(1e-6);
         let field = match is_same_head {
             true => self.field.clone(),
@@ -82,22 +82,32 @@ impl Bound {
         let mut done = field_cost;
         let mut layers = Vec::with_capacity(groom.layers.len());
         for (layer, known) in groom.layers.iter().zip(known) {
-            let cost = cost_of(layer, known);
+            let cost = cost_of(layer, &known);
             let before = done;
             let on_progress = |share: f32| watch.progress((before + share * cost) / all);
             let watch = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
-            layers.push(bind(layer, known, groom.head.as_ref(), watch, &mut warnings)?);
+            layers.push(bind(layer, known.as_ref(), groom.head.as_ref(), watch, &mut warnings)?);
             done += cost;
         }
         Some(Self { head: groom.head.clone(), field, layers, warnings })
     }
 
-    /// Whether [`Bound::update`] has more to do than to compare.
+    /// Whether [`Bound::update`] has more to do than what is done within a frame.
     pub fn is_behind(&self, groom: &Groom) -> bool {
         let is_current = |layer: &Layer| {
-            self.known(layer).is_some_and(|known| known.has_clumps_of(layer) && known.has_maps_of(layer))
+            let is_current = |known: &BoundLayer| known.has_clumps_of(layer) && known.has_maps_of(layer);
+            self.known(layer).is_some_and(is_current) || self.unmoved(layer).is_some_and(is_current)
         };
         !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
+    }
+
+    /// The layer that was bound alike but for where the vertices of its hair mesh are.
+    fn unmoved(&self, layer: &Layer) -> Option<&BoundLayer> {
+        let Source::HairMesh(mesh) = &layer.source else { return None };
+        self.layers.iter().find(|known| match &known.layer.source {
+            Source::HairMesh(before) => has_same_places(&known.layer, layer) && before.differs_in_shape_only(mesh),
+            Source::Guides(_) | Source::Strands(_) => false,
+        })
     }
 
     fn has_head_of(&self, groom: &Groom) -> bool {
@@ -106,6 +116,14 @@ impl Bound {
             (None, None) => true,
             (Some(_), None) | (None, Some(_)) => false,
         }
+    }
+
+    fn known_or_moved(&self, layer: &Layer) -> Option<BoundLayer> {
+        self.known(layer).cloned().or_else(|| {
+            let known = self.unmoved(layer)?;
+            let Source::HairMesh(mesh) = &layer.source else { return None };
+            Some(BoundLayer { binding: Arc::new(known.binding.moved(mesh)), ..known.clone() })
+        })
     }
 
     /// The layer that was bound alike, best with the same clumps.
@@ -178,10 +196,15 @@ fn binds_alike(a: &Layer, b: &Layer) -> bool {
         (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
         (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
     };
+    same_source && has_same_places(a, b)
+}
+
+/// Do two layers of the same source have the same strands?
+fn has_same_places(a: &Layer, b: &Layer) -> bool {
     let same_density = match (a.density(), b.density()) {
         (Some(a), Some(b)) => Arc::ptr_eq(a, b),
         (None, None) => true,
         (Some(_), None) | (None, Some(_)) => false,
     };
-    same_source && same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
+    same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
 }

@@ -141,6 +141,7 @@ impl StrandGenerator {
                     ("middles", layer.middles.as_entire_binding()),
                     ("ops", layer.ops.as_entire_binding()),
                     ("field", self.mirror.field_buffer.as_entire_binding()),
+                    ("knots", layer.knots.as_entire_binding()),
                     ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
                 ],
             )?;

@@ -76,6 +76,7 @@ pub(crate) struct LayerMirror {
     /// [`BoundLayer::places`] of what the buffers hold.
     places: u64,
     pub(crate) guides: wgpu::Buffer,
+    pub(crate) knots: wgpu::Buffer,
     pub(crate) strands: wgpu::Buffer,
     pub(crate) influences: wgpu::Buffer,
     pub(crate) middles: wgpu::Buffer,
@@ -106,7 +107,8 @@ struct GpuStrand {
     radius_scale: f32,
     first_influence: u32,
     n_influences: u32,
-    pad: [u32; 2],
+    first_knot: u32,
+    pad: u32,
 }
 
 /// Twin of `Op` in generate.wgsl.
@@ -256,7 +258,7 @@ impl Mirror {
     /// Bytes of all buffers of strands, guides and weights.
     pub fn n_bytes(&self) -> u64 {
         let of_layer = |mirror: &LayerMirror| {
-            [&mirror.guides, &mirror.strands, &mirror.influences, &mirror.middles, &mirror.ops]
+            [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences, &mirror.middles, &mirror.ops]
                 .iter()
                 .map(|buffer| buffer.size())
                 .sum::<u64>()
@@ -283,7 +285,6 @@ impl LayerMirror {
                 return Err(MirrorError::TooLarge { layer: layer.name.clone(), what, needed, available });
             }
         }
-        let guides: Vec<[f32; 4]> = binding.guides.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect();
         let strands: Vec<GpuStrand> = (0..binding.n_strands())
             .map(|s| GpuStrand {
                 root_offset: binding.root_offsets[s].to_array(),
@@ -292,12 +293,18 @@ impl LayerMirror {
                 radius_scale: binding.radius_scales.get(s).copied().unwrap_or(1.0),
                 first_influence: binding.influence_offsets[s],
                 n_influences: binding.influence_offsets[s + 1] - binding.influence_offsets[s],
-                pad: [0; 2],
+                first_knot: binding.first_knots[s],
+                pad: 0,
             })
             .collect();
         let mut mirror = gpu.checked(|| Self {
             layer: layer.clone(),
-            guides: gpu.buffer_of("strands.guides", &guides, STORAGE | BufferUsages::COPY_SRC),
+            guides: gpu.buffer_of(
+                "strands.guides",
+                &guides_of(binding),
+                STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+            ),
+            knots: gpu.buffer_of("generate.knots", &binding.knots, STORAGE | BufferUsages::COPY_DST),
             strands: gpu.buffer_of("generate.strands", &strands, STORAGE),
             influences: gpu.buffer_of("generate.influences", &binding.influences, STORAGE),
             middles: gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE),
@@ -312,7 +319,7 @@ impl LayerMirror {
         Ok(mirror)
     }
 
-    /// Take over a layer whose guides, roots and weights are the same.
+    /// Take over a layer whose roots and weights are the same.
     fn restyle(&mut self, gpu: &Gpu, layer: &Layer, binding: &Arc<LayerBinding>) {
         let is_same = self.layer.style == layer.style && Arc::ptr_eq(&self.binding, binding);
         self.layer = layer.clone();
@@ -320,7 +327,14 @@ impl LayerMirror {
             return;
         }
         if !Arc::ptr_eq(&self.binding, binding) {
-            self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
+            if self.binding.clumps != binding.clumps {
+                self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
+            }
+            if self.binding.guides != binding.guides {
+                // As many as before: other counts have other places.
+                gpu.queue.write_buffer(&self.guides, 0, bytemuck::cast_slice(&guides_of(binding)));
+                gpu.queue.write_buffer(&self.knots, 0, bytemuck::cast_slice(&binding.knots));
+            }
             self.binding = Arc::clone(binding);
         }
         self.send_ops(gpu);
@@ -347,6 +361,10 @@ impl LayerMirror {
         let n_room = self.place.map_or(0, |place| place.n_strands) as f32;
         if n_room >= n { 1.0 } else { n_room / n / (1.0 + lorelei_core::generate::LOD_FADE) }
     }
+}
+
+fn guides_of(binding: &LayerBinding) -> Vec<[f32; 4]> {
+    binding.guides.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect()
 }
 
 fn gpu_op(op: &StyleOp, binding: &LayerBinding) -> GpuOp {

@@ -39,8 +39,9 @@ struct Strand {
     radius_scale: f32,
     first_influence: u32,
     n_influences: u32,
-    pad_0: u32,
-    pad_1: u32,
+    // Where the parameters of its guides' vertices begin.
+    first_knot: u32,
+    pad: u32,
 }
 
 struct Influence {
@@ -72,6 +73,7 @@ struct Op {
 @group(0) @binding(5) var<storage, read> ops: array<Op>;
 @group(0) @binding(6) var<storage, read> field: array<f32>;
 @group(0) @binding(7) var<storage, read_write> vertices: array<vec4<f32>>;
+@group(0) @binding(8) var<storage, read> knots: array<f32>;
 
 const NO_CLUMP: u32 = 0xFFFFFFFFu;
 
@@ -440,6 +442,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     var segment = 0u;
     let last = params.n_vertices - 1u;
     let n_segments = params.guide_vertices - 1u;
+    let first_knot = strands[strand_idx].first_knot;
     let width = params.lod_scale * clamp((params.lod_end - f32(strand_idx)) / params.lod_fade, 0.0, 1.0);
     let radius = params.radius * strands[strand_idx].radius_scale * width;
     let out_at = params.first_vertex + strand_idx * params.n_vertices;
@@ -449,9 +452,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         var after = base;
         if v <= last {
             let t = cut * f32(v) / f32(last);
-            let u = t * f32(n_segments);
-            let wanted = min(u32(u), n_segments - 1u);
-            while segment < wanted {
+            while segment + 1u < n_segments && t >= knots[first_knot + segment + 1u] {
                 segment++;
                 advance(&own, segment);
                 if n_pulls > 0u {
@@ -464,7 +465,9 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
                     advance(&middle_2, segment);
                 }
             }
-            let w = catmull_rom_weights(u - f32(segment));
+            let below = knots[first_knot + segment];
+            let above = knots[first_knot + segment + 1u];
+            let w = catmull_rom_weights(clamp((t - below) / max(above - below, 1e-6), 0.0, 1.0));
             after = path(&own, w);
             if n_pulls > 0u {
                 let m_0 = path(&middle_0, w);

@@ -138,10 +138,18 @@ impl Generator<'_> {
         p + left * self.pose.world_from_head.transform_vector3(self.binding.root_offsets[strand_idx])
     }
 
-    /// A strand's path before any style, at the guides' parameter `t`, 0 root to 1 tip.
-    fn path(&self, strand_idx: usize, t: f32) -> Vec3 {
+    /// The guides' own parameter, in segments, at the share `t` of a strand's length: 0 root to 1 tip.
+    fn parameter(&self, strand_idx: usize, t: f32) -> f32 {
+        let first = self.binding.first_knots[strand_idx] as usize;
+        let knots = &self.binding.knots[first..first + self.binding.guides.n_vertices as usize];
+        let segment = knots[1..knots.len() - 1].iter().take_while(|&&knot| t >= knot).count();
+        let (below, above) = (knots[segment], knots[segment + 1]);
+        segment as f32 + ((t - below) / (above - below).max(1e-6)).clamp(0.0, 1.0)
+    }
+
+    /// A strand's path before any style, at the guides' parameter `u`, in segments.
+    fn path(&self, strand_idx: usize, u: f32) -> Vec3 {
         let n_segments = self.binding.guides.n_vertices as i32 - 1;
-        let u = t * n_segments as f32;
         let segment = (u as i32).min(n_segments - 1);
         let w = catmull_rom_weights(u - segment as f32);
         w[0] * self.control(strand_idx, segment - 1)

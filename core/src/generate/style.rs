@@ -138,10 +138,12 @@ impl Generator<'_> {
 
     /// The strand's path drawn into its clumps: each clump's middle is itself drawn by the clumps before.
     pub(super) fn clumped(&self, strand_idx: usize, pulls: &[Pull], t: f32) -> Vec3 {
-        let mut p = self.path(strand_idx, t);
+        // The middles are read where the strand is, by its own knots.
+        let u = self.parameter(strand_idx, t);
+        let mut p = self.path(strand_idx, u);
         let mut middles = [Vec3::ZERO; MOST_CLUMP_OPS];
         for (middle, pull) in middles.iter_mut().zip(pulls) {
-            *middle = self.path(pull.middle, t);
+            *middle = self.path(pull.middle, u);
         }
         for (j, pull) in pulls.iter().enumerate() {
             let strength = pull.at(t);

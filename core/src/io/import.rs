@@ -62,6 +62,22 @@ const PLAUSIBLE_DIAMETER_UM: std::ops::RangeInclusive<f32> = 5.0..=4000.0;
 /// Radius that stands for a relative width of 1.
 const AVERAGE_RADIUS_UM: f32 = 40.0;
 
+/// No fibre is wider: a damaged number must not become infinite.
+const WIDEST_RADIUS_UM: f32 = 1e5;
+
+/// Scale widths to radii in micrometres; says how many were cut to the widest that is kept.
+fn radii_of(thickness: Vec<f32>, scale: f32, warnings: &mut Vec<String>) -> Vec<f32> {
+    let n_cut = thickness.iter().filter(|&&value| value * scale > WIDEST_RADIUS_UM).count();
+    if n_cut > 0 {
+        warnings.push(format!("{n_cut} widths are above 10 cm: cut to that"));
+    }
+    let mut radii_um = thickness;
+    for radius in &mut radii_um {
+        *radius = (*radius * scale).clamp(0.0, WIDEST_RADIUS_UM);
+    }
+    radii_um
+}
+
 impl StrandImport {
     /// The strands in world space, by the import's `space`.
     pub fn place(self) -> PlacedStrands {
@@ -74,8 +90,7 @@ impl StrandImport {
             let roots = |values: &[f32]| median(strands.offsets.iter().map(|&at| at as usize), values);
             let diameter = roots(&thickness);
             if PLAUSIBLE_DIAMETER_UM.contains(&(diameter * um)) {
-                strands.radii_um = thickness;
-                strands.radii_um.iter_mut().for_each(|value| *value *= 0.5 * um);
+                strands.radii_um = radii_of(thickness, 0.5 * um, &mut warnings);
                 radius_um = Some(0.5 * um * diameter);
             } else if thickness.iter().all(|&value| value == thickness[0]) || diameter <= 0.0 {
                 warnings.push(format!(
@@ -89,8 +104,7 @@ impl StrandImport {
                     diameter,
                     space.unit.name()
                 ));
-                strands.radii_um = thickness;
-                strands.radii_um.iter_mut().for_each(|value| *value *= AVERAGE_RADIUS_UM / diameter);
+                strands.radii_um = radii_of(thickness, AVERAGE_RADIUS_UM / diameter, &mut warnings);
                 radius_um = Some(AVERAGE_RADIUS_UM);
             }
         }
