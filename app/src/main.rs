@@ -2,6 +2,7 @@
 
 mod cli;
 mod open;
+mod script;
 mod stage;
 mod window;
 

@@ -27,6 +27,13 @@ pub fn mannequin() -> Head {
     HEAD.get_or_init(|| Head { embedded: Some(MANNEQUIN.to_owned()), ..Head::new("Mannequin", head()) }).clone()
 }
 
+/// Give a head that only names the embedded one its mesh.
+pub fn complete_head(head: &mut Head) {
+    if head.embedded.as_deref() == Some(MANNEQUIN) && head.mesh.positions.is_empty() {
+        head.mesh = mannequin().mesh;
+    }
+}
+
 /// Give a groom that was just read from a document the embedded head that it refers to. Hair meshes of a
 /// document without any head get the mannequin too: they are modelled on it, and nothing else says where
 /// their roots lie. Returns what is to be told to the user.

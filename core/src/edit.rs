@@ -234,6 +234,28 @@ impl Edit {
         }
     }
 
+    /// The edit as it is written down: a head that is embedded in the studio by its name, without its mesh.
+    /// Whoever reads it puts the mesh back with [`Edit::visit_heads`].
+    pub fn with_named_heads(mut self) -> Self {
+        self.visit_heads(&mut |head| {
+            if head.embedded.is_some() {
+                head.mesh = Arc::default();
+            }
+        });
+        self
+    }
+
+    /// Call `visit` with every head that the edit puts on.
+    pub fn visit_heads(&mut self, visit: &mut dyn FnMut(&mut Head)) {
+        if let Self::SetHead(Some(head)) = self {
+            visit(head);
+        } else if let Self::Batch(edits) = self {
+            for edit in edits {
+                edit.visit_heads(visit);
+            }
+        }
+    }
+
     /// Call `visit` with the address and the bytes of everything large that the edit keeps alive.
     pub fn visit_shared(&self, visit: &mut dyn FnMut(usize, usize)) {
         match self {

@@ -8,6 +8,7 @@ pub const SCALP_GROUP: &str = "scalp";
 
 /// Triangles, counter-clockwise seen from outside. Positions in centimetres.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TriMesh {
     pub positions: Vec<Vec3>,
     /// One unit normal a vertex, or empty until [`TriMesh::compute_normals`].

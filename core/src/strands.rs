@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 ///
 /// Optional attributes are either empty or as long as what they belong to (points or strands).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Strands {
     /// Positions in centimetres, all strands appended, each from root to tip.
     pub points: Vec<Vec3>,

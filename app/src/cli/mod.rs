@@ -2,12 +2,13 @@
 //!
 //! Exit codes: 0 done, 1 the work failed, 2 wrong usage. Results go to stdout, everything else to stderr.
 
+mod apply;
 mod convert;
 mod info;
 mod looks;
 mod read_as;
 mod render;
-mod set;
+pub mod set;
 mod setup;
 
 use std::path::PathBuf;
@@ -64,6 +65,7 @@ Examples:
   lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head
   lorelei looks                                        what --set takes
   lorelei convert hair.data hair.usda --up z --unit m  for another program
+  lorelei apply a.lorelei --edits e.ron --out b.lorelei  replay edits
 
 Exit codes: 0 done, 1 the work failed, 2 wrong usage.";
 
@@ -77,6 +79,8 @@ enum Command {
     Info(info::InfoArguments),
     /// Write hair in another program's format.
     Convert(convert::ConvertArguments),
+    /// Replay a list of edits on a groom.
+    Apply(apply::ApplyArguments),
 }
 
 /// Why a command did not do its work.
@@ -86,6 +90,13 @@ pub enum CliError {
     Failed(String),
     /// Exit code 2.
     Usage(String),
+}
+
+impl std::fmt::Display for CliError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (Self::Failed(why) | Self::Usage(why)) = self;
+        f.write_str(why)
+    }
 }
 
 impl CliError {
@@ -107,6 +118,7 @@ pub fn run() -> ExitCode {
         Some(Command::Looks(arguments)) => looks::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
         Some(Command::Convert(arguments)) => convert::run(&arguments),
+        Some(Command::Apply(arguments)) => apply::run(&arguments),
         None => window::open(&window::StartOptions {
             file: arguments.file,
             head: arguments.head,

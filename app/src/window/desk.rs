@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use glam::Vec3;
 use lorelei_core::camera::Camera;
 use lorelei_core::history::Merge;
+use lorelei_core::record::Macro;
 
 use super::commands::Command;
 use super::document::Document;
@@ -53,6 +54,8 @@ pub struct Desk {
     pub asked: Vec<Command>,
     /// What is being renamed in the outliner, and the text so far.
     pub renaming: Option<(Selection, String)>,
+    /// The macro that is being recorded.
+    pub recorder: Option<Macro>,
 }
 
 impl Default for Desk {
@@ -74,6 +77,7 @@ impl Default for Desk {
             tools: Tools::default(),
             asked: Vec::new(),
             renaming: None,
+            recorder: None,
         }
     }
 }

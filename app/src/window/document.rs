@@ -7,6 +7,8 @@ use lorelei_core::edit::Edit;
 use lorelei_core::groom::Groom;
 use lorelei_core::history::{History, Merge};
 
+use super::recovery::Base;
+
 /// One open document.
 #[derive(Debug, Default)]
 pub struct Document {
@@ -14,6 +16,8 @@ pub struct Document {
     pub history: History,
     /// `None` until it was saved, or where it came from a file of another program.
     pub path: Option<PathBuf>,
+    /// Where the groom is as it was when it was opened or saved last; `None`: in no file.
+    pub base: Option<Base>,
     /// Numbers documents, so that a state number of one is never taken for another's; 0: none was opened yet.
     generation: u64,
     /// A recovered or imported document is worth saving though nothing was edited.
@@ -26,7 +30,10 @@ impl Document {
     /// A document of its own. `path` is the `.lorelei` file that it is in, if it is in one.
     pub fn new(groom: Groom, path: Option<PathBuf>, is_unsaved: bool) -> Self {
         let generation = 1 + N_DOCUMENTS.fetch_add(1, Ordering::Relaxed);
-        Self { groom, history: History::default(), path, generation, never_saved: is_unsaved }
+        let base = path.as_deref().filter(|_| !is_unsaved).and_then(Base::of_file);
+        let mut history = History::default();
+        history.record();
+        Self { groom, history, path, base, generation, never_saved: is_unsaved }
     }
 
     /// Nothing was opened yet.
@@ -69,6 +76,7 @@ impl Document {
             self.history.mark_saved(state.1);
             self.never_saved = false;
             self.path = Some(path.to_owned());
+            self.base = Base::of_file(path);
         }
     }
 

@@ -6,6 +6,7 @@ mod document;
 mod files;
 mod handles;
 mod layout;
+mod macros;
 mod navigation;
 mod notices;
 mod palette;
@@ -28,6 +29,7 @@ use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::history::Merge;
 use lorelei_core::motion::HeadPose;
+use lorelei_core::script::Step;
 use lorelei_shaders::Gpu;
 
 pub use start::{StartOptions, open};
@@ -41,7 +43,7 @@ use files::jobs::{self, Done, Jobs};
 use lorelei_core::edit::Edit;
 use notices::{Notices, Severity};
 use palette::{Palette, PaletteAnswer};
-use recovery::Recovery;
+use recovery::{Base, Left, Recovery};
 use settings::{SETTINGS_KEY, Settings};
 use start::Handover;
 use state_report::{StateReport, UiClock};
@@ -87,6 +89,8 @@ pub struct Studio {
     after_save: Option<Next>,
     may_close: bool,
     recovery: Option<Recovery>,
+    /// A macro that waits for its file's name.
+    recorded: Vec<Step>,
     state_report: Option<StateReport>,
     handover: Handover,
     n_pictures: u64,
@@ -164,6 +168,7 @@ impl Studio {
             after_save: None,
             may_close: false,
             recovery,
+            recorded: Vec::new(),
             state_report: options.report_state.map(StateReport::new),
             handover,
             n_pictures: 0,
@@ -184,7 +189,7 @@ impl Studio {
         }
         if let Some(kept) = &options.recovered {
             studio.recovered_path = options.recovered_path;
-            studio.recover(&context.egui_ctx, kept);
+            studio.recover(&context.egui_ctx, Left { files: vec![kept.clone()] });
             return Ok(studio);
         }
         match options.file {
@@ -200,6 +205,7 @@ impl Studio {
             groom: Box::new(lorelei_assets::default_groom()),
             path: None,
             source: std::path::PathBuf::new(),
+            style: lorelei_assets::hairstyle_names().first().copied(),
             notes: Vec::new(),
         });
     }
@@ -210,6 +216,7 @@ impl Studio {
                 groom: Box::new(groom),
                 path: None,
                 source: std::path::PathBuf::new(),
+                style: Some(key),
                 notes: Vec::new(),
             },
             None => Done::Failed { title: format!("Could not open {key}"), why: "it is not embedded".to_owned() },
@@ -238,9 +245,6 @@ impl Studio {
         self.desk.playback.head_pose = HeadPose::default();
         self.desk.playback.n_resets += 1;
         self.desk.wants_frame = true;
-        if let Some(recovery) = &mut self.recovery {
-            recovery.forget_own();
-        }
     }
 
     /// A person gave up preparing `state`: back to what is on screen.
@@ -272,7 +276,7 @@ impl Studio {
     fn finish_jobs(&mut self, ctx: &egui::Context) {
         for done in self.jobs.finished() {
             match done {
-                Done::Opened { groom, path, source, notes } => {
+                Done::Opened { groom, path, source, style, notes } => {
                     let is_default = source.as_os_str().is_empty();
                     if !is_default {
                         self.desk.settings.remember(&source);
@@ -281,6 +285,9 @@ impl Studio {
                     // An import is not in a document yet; the default groom is no work of anybody's.
                     let is_unsaved = path.is_none() && !is_default;
                     self.show_document(*groom, path, is_unsaved);
+                    if let Some(style) = style {
+                        self.desk.document.base = Some(Base::Style(style.to_owned()));
+                    }
                 }
                 Done::Hair { layers, source, notes } => {
                     self.desk.settings.remember(&source);
@@ -297,7 +304,7 @@ impl Studio {
                     self.desk.settings.remember(&path);
                     self.desk.document.mark_saved(state, &path);
                     if let Some(recovery) = &mut self.recovery {
-                        recovery.forget_own();
+                        recovery.saved(&self.desk.document);
                     }
                     if let Some(next) = self.after_save.take() {
                         self.go_on(ctx, next);
@@ -306,15 +313,21 @@ impl Studio {
                 Done::PictureSaved { path } => {
                     self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
                 }
-                Done::Recovered { groom } => {
-                    let path = self.recovered_path.take();
-                    self.show_document(*groom, path, true);
-                    self.keep_now();
+                Done::Recovered { restored, replaces } => {
+                    let path = self.recovered_path.take().or(restored.path);
+                    self.show_document(restored.groom, path, true);
+                    self.desk.document.history = restored.history;
+                    self.desk.document.history.record();
+                    self.note(Path::new("Recovered"), &restored.notes);
                     if let Some(recovery) = &mut self.recovery {
-                        recovery.forget_left();
-                        recovery.forget_loss();
+                        recovery.take_over(&self.desk.document, replaces);
+                        recovery.left.clear();
                     }
                 }
+                Done::MacroSaved { path } => {
+                    self.desk.notices.push(Severity::Info, "Macro saved", path.display().to_string());
+                }
+                Done::Played { name, edits } => self.played(&name, edits),
                 Done::Exported { path, notes } => {
                     let name = path.display().to_string();
                     self.desk.notices.push(Severity::Info, "Exported", name);
@@ -463,21 +476,27 @@ impl Studio {
 
     /// Write the recovery file at once, where there is something to recover.
     fn keep_now(&mut self) {
-        let state = self.desk.document.state();
-        if self.desk.document.is_unsaved()
-            && let Some(recovery) = &mut self.recovery
-        {
-            recovery.write(&self.desk.document.groom, state);
+        if let Some(recovery) = &mut self.recovery {
+            recovery.keep_now(&self.desk.document);
         }
     }
 
-    fn autosave(&mut self) {
-        let state = self.desk.document.state();
-        let is_unsaved = self.desk.document.is_unsaved();
-        if let Some(recovery) = &mut self.recovery
-            && recovery.is_due(state, is_unsaved)
-        {
-            recovery.write(&self.desk.document.groom, state);
+    /// Keep what was done since the last frame, should the studio end badly; a macro records the same.
+    fn keep_records(&mut self, is_dragging: bool) {
+        if self.recovery.as_ref().is_some_and(|recovery| !recovery.wants_records(is_dragging)) {
+            return;
+        }
+        let max_bytes = (self.desk.settings.history_mib as usize) << 20;
+        self.desk.document.history.set_max_bytes(max_bytes);
+        let records = self.desk.document.history.take_records();
+        if let Some(recorder) = &mut self.desk.recorder {
+            records.iter().cloned().for_each(|record| recorder.add(record));
+        }
+        if let Some(recovery) = &mut self.recovery {
+            recovery.keep(&self.desk.document, &records);
+            if let Some(why) = recovery.problem() {
+                self.desk.notices.push(Severity::Warning, "No recovery after a crash", why);
+            }
         }
     }
 
@@ -491,7 +510,7 @@ impl Studio {
             ),
             Question::Recover => (
                 "Recover unsaved work?",
-                "The studio ended without saving the last time. What was changed up to a minute before is here."
+                "The studio ended without saving the last time. What was changed up to the last moments is here."
                     .to_owned(),
                 ["Recover", "Throw away", "Later"],
             ),
@@ -531,8 +550,8 @@ impl Studio {
             }
             (Question::Unsaved(next), 1) => self.go_on(ctx, next),
             (Question::Recover, 0) => {
-                if let Some(path) = self.recovery.as_ref().and_then(|recovery| recovery.left.first()).cloned() {
-                    self.recover(ctx, &path);
+                if let Some(left) = self.recovery.as_ref().and_then(|recovery| recovery.left.first()).cloned() {
+                    self.recover(ctx, left);
                 }
             }
             (Question::Recover, 1) => {
@@ -544,12 +563,11 @@ impl Studio {
         }
     }
 
-    fn recover(&mut self, ctx: &egui::Context, path: &Path) {
-        let path = path.to_owned();
-        self.jobs.start(ctx, "Recovering", move |watch| match crate::open::document(&path, watch) {
-            Ok((groom, _)) => Done::Recovered { groom: Box::new(groom) },
-            Err(why) if why.is_cancelled() => Done::Cancelled,
-            Err(why) => Done::Failed { title: "The unsaved work could not be read".to_owned(), why: why.to_string() },
+    fn recover(&mut self, ctx: &egui::Context, left: Left) {
+        self.jobs.start(ctx, "Recovering", move |watch| match recovery::restore(&left, watch) {
+            Ok(restored) => Done::Recovered { restored: Box::new(restored), replaces: left.files },
+            Err(_) if watch.cancelled() => Done::Cancelled,
+            Err(why) => Done::Failed { title: "The unsaved work could not be read".to_owned(), why },
         });
     }
 
@@ -588,6 +606,13 @@ impl Studio {
             Purpose::SavePicture => {
                 self.picture_path = Some(path);
                 self.n_pictures += 1;
+            }
+            Purpose::SaveMacro => {
+                let steps = std::mem::take(&mut self.recorded);
+                self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save_macro(&steps, &path));
+            }
+            Purpose::PlayMacro => {
+                self.jobs.start(ctx, format!("Playing {name}"), move |watch| jobs::play_macro(groom, &path, watch));
             }
         }
     }
@@ -654,7 +679,8 @@ impl eframe::App for Studio {
             self.desk.document.history.end_drag();
         }
         self.desk.clamp_selection();
-        self.autosave();
+        let is_dragging = ctx.input(|input| input.pointer.any_down());
+        self.keep_records(is_dragging);
         self.keep_for_loss();
         self.post();
         self.show_title(&ctx);
@@ -682,10 +708,8 @@ impl eframe::App for Studio {
 
     fn on_exit(&mut self) {
         let was_lost = lock(&self.handover).is_lost;
-        if let Some(recovery) = &mut self.recovery
-            && !was_lost
-        {
-            recovery.forget_own();
+        if let Some(recovery) = &mut self.recovery {
+            recovery.end(!was_lost);
         }
         self.stage = None;
     }
@@ -713,6 +737,7 @@ impl Studio {
             .as_deref()
             .and_then(Path::file_stem)
             .map_or_else(|| document.groom.name.clone(), |stem| stem.to_string_lossy().into_owned());
+        let stem = if purpose == Purpose::SaveMacro { "macro".to_owned() } else { stem };
         let name = if purpose.is_save() {
             purpose.with_extension(stem.replace(std::path::is_separator, "-").into()).display().to_string()
         } else {
@@ -730,6 +755,8 @@ impl Studio {
             Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
                 matches!(self.desk.selection, Selection::Layer(_))
             }
+            Command::ClearHistory => document.history.labels().len() > 0,
+            Command::RecordMacro | Command::PlayMacro => !document.is_none(),
             Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
             _ => true,
         }

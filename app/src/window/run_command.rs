@@ -71,6 +71,9 @@ impl Studio {
                 panels::properties::layer_command(&mut self.desk, command);
                 self.desk.measure();
             }
+            Command::RecordMacro => self.record_macro(ctx),
+            Command::PlayMacro => self.choose(ctx, Purpose::PlayMacro),
+            Command::ClearHistory => self.desk.document.history.clear(),
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some(Palette::default()) };
             }

@@ -23,6 +23,8 @@ pub struct Settings {
     pub folder: Option<PathBuf>,
     /// Milliseconds that a frame may take while something moves.
     pub moving_budget_ms: f32,
+    /// What the steps of the history may keep alive, MiB.
+    pub history_mib: u32,
 }
 
 /// Where [`Settings`] are in eframe's storage. The number changes when old layouts no longer fit.
@@ -36,6 +38,7 @@ impl Default for Settings {
             use_system_dialogs: true,
             folder: None,
             moving_budget_ms: 50.0,
+            history_mib: 1024,
         }
     }
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use lorelei_core::groom::Groom;
 use lorelei_shaders::Gpu;
 
-use super::Studio;
+use super::{Studio, recovery};
 
 /// What the window is opened with.
 #[derive(Debug, Clone)]
@@ -104,7 +104,10 @@ fn open_again(options: &StartOptions, path: Option<&Path>, kept: &Path) -> Resul
         command.arg("--share-gpu");
     }
     match command.status() {
-        Ok(status) if status.success() => Ok(()),
+        Ok(status) if status.success() => {
+            // The other process went on with it.
+            kept.parent().map_or(Ok(()), recovery::forget_own_run).map_err(failed)
+        }
         Ok(_) => Err(WindowError::Ended),
         Err(why) => Err(failed(why)),
     }

@@ -133,6 +133,7 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
             "waited_for_shaders": report.start.waited_for_shaders.as_secs_f32(),
             "bind": report.start.bind.as_secs_f32(), "first_frame": report.start.first_frame.as_secs_f32(),
         },
+        "kept": kept(studio),
         "busy": report.busy.map(|busy| busy.what),
         "jobs": studio.jobs.running.len(),
         "notices": desk.notices.shown.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect::<Vec<_>>(),
@@ -145,5 +146,14 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         "pointer_down": input.pointer.any_down(),
         "viewport": rect,
         "head_handle": studio.head_handle(),
+    })
+}
+
+/// What is kept of what was done.
+fn kept(studio: &Studio) -> serde_json::Value {
+    json!({
+        "records": studio.recovery.as_ref().map(super::recovery::Recovery::n_records),
+        "macro_steps": studio.desk.recorder.as_ref().map(lorelei_core::record::Macro::n_steps),
+        "history_bytes": studio.desk.document.history.n_bytes(),
     })
 }

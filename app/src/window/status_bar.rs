@@ -2,6 +2,7 @@
 
 use egui::{RichText, Ui};
 
+use super::commands::Command;
 use super::panels::widgets::{milliseconds, thousands};
 use super::{Studio, theme};
 
@@ -25,6 +26,15 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
                 ui.label(RichText::new(hint).small().color(theme::TEXT_WEAK));
             } else {
                 studio.jobs.ui(ui);
+            }
+            if let Some(recorder) = &studio.desk.recorder {
+                ui.separator();
+                let text = format!("\u{25cf} recording a macro: {} steps", recorder.n_steps());
+                ui.label(RichText::new(text).small().color(theme::ACCENT));
+                let stop = ui.small_button("Stop").on_hover_text("End the macro and choose its file");
+                if stop.clicked() {
+                    studio.desk.asked.push(Command::RecordMacro);
+                }
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let weak = |text: String| RichText::new(text).small().color(theme::TEXT_WEAK);

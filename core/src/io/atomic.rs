@@ -43,6 +43,7 @@ pub fn write_atomically(
         }
     }
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    remove_stale(folder, file_name);
     let (temporary, file) = create_beside(folder, file_name).map_err(error("its folder"))?;
     let filled = fill(file, write).and_then(|()| match &before {
         Some(before) => fs::set_permissions(&temporary, before.permissions()),
@@ -61,13 +62,34 @@ pub fn write_atomically(
     Ok(())
 }
 
+/// What the names of a file's temporaries begin with. Long names stay within the file system's limit.
+fn temporary_start(file_name: &std::ffi::OsStr) -> String {
+    let start: String = file_name.to_string_lossy().chars().take(40).collect();
+    format!(".{start}.")
+}
+
+/// Remove temporary files that processes which were killed while they wrote the same file have left. Where
+/// it cannot be known whether a process still runs, nothing is removed.
+fn remove_stale(folder: &Path, file_name: &std::ffi::OsStr) {
+    let start = temporary_start(file_name);
+    let Some(entries) = fs::read_dir(folder).ok().filter(|_| Path::new("/proc/self").exists()) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let process = name.strip_prefix(&start).and_then(|rest| rest.strip_suffix(".tmp")?.split_once('-'));
+        let process = process.and_then(|(process, n)| n.parse::<u32>().ok().and(process.parse::<u32>().ok()));
+        if process.is_some_and(|process| !Path::new(&format!("/proc/{process}")).exists()) {
+            // Somebody else may have been quicker.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
 fn create_beside(folder: &Path, file_name: &std::ffi::OsStr) -> io::Result<(PathBuf, File)> {
     let mut last = io::Error::from(io::ErrorKind::AlreadyExists);
     for _ in 0..N_TRIES {
         let n = N_TEMPORARY.fetch_add(1, Ordering::Relaxed);
-        // Long names stay within the file system's limit.
-        let start: String = file_name.to_string_lossy().chars().take(40).collect();
-        let path = folder.join(format!(".{start}.{}-{n}.tmp", std::process::id()));
+        let path = folder.join(format!("{}{}-{n}.tmp", temporary_start(file_name), std::process::id()));
         match OpenOptions::new().write(true).read(true).create_new(true).open(&path) {
             Ok(file) => return Ok((path, file)),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,

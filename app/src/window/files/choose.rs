@@ -15,6 +15,8 @@ pub enum Purpose {
     ImportHead,
     Export,
     SavePicture,
+    SaveMacro,
+    PlayMacro,
 }
 
 /// What a person answered.
@@ -33,6 +35,8 @@ impl Purpose {
             Self::ImportHead => "Import head",
             Self::Export => "Export strands",
             Self::SavePicture => "Save picture",
+            Self::SaveMacro => "Save the macro",
+            Self::PlayMacro => "Play a macro",
         }
     }
 
@@ -45,12 +49,13 @@ impl Purpose {
             Self::ImportHead => MESH_EXTENSIONS.to_vec(),
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
             Self::SavePicture => vec!["png"],
+            Self::SaveMacro | Self::PlayMacro => vec!["ron"],
         };
         all.into_iter().map(str::to_owned).collect()
     }
 
     pub fn is_save(self) -> bool {
-        matches!(self, Self::SaveAs | Self::Export | Self::SavePicture)
+        matches!(self, Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro)
     }
 
     /// The path with an extension that fits the purpose.

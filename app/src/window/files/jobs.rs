@@ -5,10 +5,13 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, mpsc};
 
 use lorelei_core::document;
+use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Groom, Head, Layer};
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
+use lorelei_core::script::{self, Step};
 
 use crate::open;
+use crate::window::recovery::Restored;
 
 /// What came of a job.
 pub enum Done {
@@ -17,6 +20,8 @@ pub enum Done {
         groom: Box<Groom>,
         path: Option<PathBuf>,
         source: PathBuf,
+        /// It is this embedded style.
+        style: Option<&'static str>,
         notes: Vec<String>,
     },
     Hair {
@@ -38,7 +43,17 @@ pub enum Done {
     },
     /// What a crashed run had left.
     Recovered {
-        groom: Box<Groom>,
+        restored: Box<Restored>,
+        /// Files that are not needed once the document is kept anew.
+        replaces: Vec<PathBuf>,
+    },
+    MacroSaved {
+        path: PathBuf,
+    },
+    /// A macro's edits, as they were applied to a copy of the groom.
+    Played {
+        name: String,
+        edits: Vec<Edit>,
     },
     Exported {
         path: PathBuf,
@@ -134,11 +149,13 @@ pub fn open(path: &Path, head_path: Option<&Path>, watch: Watch<'_>) -> Done {
             if !opened.space_reason.is_empty() {
                 notes.insert(0, format!("Read as {}", opened.space_reason));
             }
-            let is_style = open::hairstyle_named(path).is_some();
+            let style = open::hairstyle_named(path);
             Done::Opened {
                 groom: Box::new(opened.groom),
                 path: opened.is_document.then(|| path.to_owned()),
-                source: if is_style { PathBuf::new() } else { path.to_owned() },
+                source: if style.is_some() { PathBuf::new() } else { path.to_owned() },
+                // With another head it is no longer the style.
+                style: style.filter(|_| head_path.is_none()),
                 notes,
             }
         }
@@ -181,6 +198,39 @@ pub fn save_picture(picture: &image::RgbaImage, path: &Path) -> Done {
     match written {
         Ok(()) => Done::PictureSaved { path: path.to_owned() },
         Err(why) => Done::Failed { title: format!("Could not save {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Write a macro.
+pub fn save_macro(steps: &[Step], path: &Path) -> Done {
+    let failed = |why: String| Done::Failed { title: format!("Could not save {}", name_of(path)), why };
+    let text = match script::to_text(steps) {
+        Ok(text) => text,
+        Err(why) => return failed(why.to_string()),
+    };
+    match io::write_atomically(path, |file| std::io::Write::write_all(file, text.as_bytes())) {
+        Ok(()) => Done::MacroSaved { path: path.to_owned() },
+        Err(why) => failed(why.to_string()),
+    }
+}
+
+/// Replay a macro on a copy of the groom; what it did is then one step of the groom itself.
+pub fn play_macro(mut groom: Groom, path: &Path, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: format!("Could not play {}", name_of(path)), why };
+    let steps = match crate::script::read(path) {
+        Ok(steps) => steps,
+        Err(why) => return failed(why),
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    match crate::script::run(&mut groom, &steps, folder, watch) {
+        Ok(edits) => {
+            let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            Done::Played { name, edits }
+        }
+        Err(_) if watch.cancelled() => Done::Cancelled,
+        Err(refusal) => {
+            failed(format!("{refusal}\nNothing was changed. It was made for another groom, or has a fault"))
+        }
     }
 }
 
