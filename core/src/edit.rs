@@ -8,9 +8,11 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
+use crate::hair_mesh::{HairMesh, HairMeshError, MeshOp, VertexId};
 use crate::light::Light;
 use crate::look::Look;
 use crate::maps::{MapError, MapKind, ScalpMap, Tile, TileChange};
@@ -70,6 +72,21 @@ pub enum Edit {
         kind: MapKind,
         map: Option<Arc<ScalpMap>>,
     },
+    /// Replace where a layer's strands come from.
+    SetSource {
+        layer_idx: usize,
+        source: Source,
+    },
+    /// An operation on the layer's hair mesh.
+    HairMesh {
+        layer_idx: usize,
+        op: MeshOp,
+    },
+    /// Put vertices of the layer's hair mesh at places in head space, in centimetres.
+    MoveVertices {
+        layer_idx: usize,
+        moves: Vec<(VertexId, Vec3)>,
+    },
     /// One after the other, undone as one.
     Batch(Vec<Edit>),
 }
@@ -81,6 +98,10 @@ pub enum EditError {
     NoSuchLayer { layer_idx: usize, n_layers: usize },
     #[error("the map {kind}: {problem}")]
     Map { kind: MapKind, problem: MapError },
+    #[error("layer {layer_idx} is not made of a hair mesh: choose one that is")]
+    NotHairMesh { layer_idx: usize },
+    #[error("hair mesh of layer {layer_idx}: {error}")]
+    HairMesh { layer_idx: usize, error: HairMeshError },
 }
 
 impl Groom {
@@ -144,6 +165,23 @@ impl Groom {
                 };
                 Edit::SetMap { layer_idx, kind, map }
             }
+            Edit::SetSource { layer_idx, source } => {
+                let source = replace(&mut self.layer_mut(layer_idx)?.source, source);
+                Edit::SetSource { layer_idx, source }
+            }
+            Edit::HairMesh { layer_idx, op } => {
+                let source = self.layer_mut(layer_idx)?.source.clone();
+                let mut changed = HairMesh::clone(self.hair_mesh_mut(layer_idx)?);
+                changed.apply(&op).map_err(|error| EditError::HairMesh { layer_idx, error })?;
+                self.layer_mut(layer_idx)?.source = Source::HairMesh(Arc::new(changed));
+                Edit::SetSource { layer_idx, source }
+            }
+            Edit::MoveVertices { layer_idx, moves } => {
+                let hair_mesh = self.hair_mesh_mut(layer_idx)?;
+                let moves = HairMesh::put_vertices(hair_mesh, moves)
+                    .map_err(|error| EditError::HairMesh { layer_idx, error })?;
+                Edit::MoveVertices { layer_idx, moves }
+            }
             Edit::Batch(edits) => self.apply_batch(edits)?,
         })
     }
@@ -163,6 +201,13 @@ impl Groom {
         }
         inverses.reverse();
         Ok(Edit::Batch(inverses))
+    }
+
+    fn hair_mesh_mut(&mut self, layer_idx: usize) -> Result<&mut Arc<HairMesh>, EditError> {
+        match &mut self.layer_mut(layer_idx)?.source {
+            Source::HairMesh(hair_mesh) => Ok(hair_mesh),
+            Source::Guides(_) | Source::Strands(_) => Err(EditError::NotHairMesh { layer_idx }),
+        }
     }
 
     fn layer_mut(&mut self, layer_idx: usize) -> Result<&mut Layer, EditError> {
@@ -198,7 +243,14 @@ impl Edit {
             | (Self::SetLayerName { layer_idx: a, .. }, Self::SetLayerName { layer_idx: b, .. })
             | (Self::SetLayerVisible { layer_idx: a, .. }, Self::SetLayerVisible { layer_idx: b, .. })
             | (Self::SetMaterial { layer_idx: a, .. }, Self::SetMaterial { layer_idx: b, .. })
-            | (Self::SetStyle { layer_idx: a, .. }, Self::SetStyle { layer_idx: b, .. }) => a == b,
+            | (Self::SetStyle { layer_idx: a, .. }, Self::SetStyle { layer_idx: b, .. })
+            | (
+                Self::SetSource { layer_idx: a, .. },
+                Self::SetSource { layer_idx: b, .. } | Self::MoveVertices { layer_idx: b, .. },
+            ) => a == b,
+            (Self::MoveVertices { layer_idx: a, moves }, Self::MoveVertices { layer_idx: b, moves: others }) => {
+                a == b && moves.len() == others.len() && moves.iter().zip(others).all(|(m, o)| m.0 == o.0)
+            }
             (
                 Self::PaintTiles { layer_idx: a, kind: kind_a, tiles: of_a },
                 Self::PaintTiles { layer_idx: b, kind: kind_b, tiles: of_b },
@@ -265,15 +317,7 @@ impl Edit {
                 visit(Arc::as_ptr(mesh) as usize, n_bytes);
             }
             Self::AddLayer { layer, .. } | Self::SetLayer { layer, .. } => {
-                match &layer.source {
-                    Source::HairMesh(hair_mesh) => {
-                        let n_bytes = hair_mesh.layers.iter().map(|l| l.positions.len() * 12 + l.faces.len() * 48);
-                        visit(Arc::as_ptr(hair_mesh) as usize, n_bytes.sum());
-                    }
-                    Source::Guides(strands) | Source::Strands(strands) => {
-                        visit(Arc::as_ptr(strands) as usize, strands.n_bytes());
-                    }
-                }
+                visit_source(&layer.source, visit);
                 layer.maps.values().for_each(|map| map.visit_shared(visit));
             }
             Self::PaintTiles { tiles, .. } => {
@@ -282,6 +326,7 @@ impl Edit {
                 }
             }
             Self::SetMap { map: Some(map), .. } => map.visit_shared(visit),
+            Self::SetSource { source, .. } => visit_source(source, visit),
             Self::Batch(edits) => edits.iter().for_each(|edit| edit.visit_shared(visit)),
             Self::SetName(_)
             | Self::SetHead(None)
@@ -294,17 +339,31 @@ impl Edit {
             | Self::SetLayerVisible { .. }
             | Self::SetMaterial { .. }
             | Self::SetStyle { .. }
-            | Self::SetMap { map: None, .. } => {}
+            | Self::SetMap { map: None, .. }
+            | Self::HairMesh { .. }
+            | Self::MoveVertices { .. } => {}
+        }
+    }
+}
+
+fn visit_source(source: &Source, visit: &mut dyn FnMut(usize, usize)) {
+    match source {
+        Source::HairMesh(hair_mesh) => {
+            let n_bytes = hair_mesh.layers.iter().map(|l| l.positions.len() * 12 + l.faces.len() * 48);
+            visit(Arc::as_ptr(hair_mesh) as usize, n_bytes.sum());
+        }
+        Source::Guides(strands) | Source::Strands(strands) => {
+            visit(Arc::as_ptr(strands) as usize, strands.n_bytes());
         }
     }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use glam::Vec3;
     use proptest::prelude::*;
 
     use super::*;
+    use crate::hair_mesh::{Along, FaceCut, Weld};
     use crate::look::{Scattering, Shadowing};
     use crate::maps::tests::any_kind;
     use crate::mesh::TriMesh;
@@ -363,12 +422,50 @@ pub(crate) mod tests {
         ]
     }
 
+    /// A quad with two layers above it, one vertex moved by `bend`.
+    fn hair_mesh_source(bend: f32) -> Source {
+        let positions = vec![Vec3::ZERO, Vec3::Z, Vec3::X + Vec3::Z, Vec3::X];
+        let mut mesh = HairMesh::from_polygons(positions, vec![vec![0, 1, 2, 3]]).unwrap();
+        for _ in 0..2 {
+            mesh.extrude(&[0], Weld::Neighbours, |v| v.position + Vec3::new(bend, 1.0, 0.0)).unwrap();
+        }
+        Source::HairMesh(Arc::new(mesh))
+    }
+
+    fn any_hair_mesh_edit() -> impl Strategy<Value = Edit> {
+        let layer_idx = || 0_usize..3;
+        let vertex = || (0_usize..4, 0_u32..6).prop_map(|(layer, vertex)| VertexId { layer, vertex });
+        let op = prop_oneof![
+            (0_usize..3, 0.5..3.0_f32).prop_map(|(bundle, length_cm)| MeshOp::Extrude {
+                bundles: vec![bundle],
+                along: Along::Onward,
+                length_cm,
+                n_layers: 1,
+                weld: Weld::Neighbours
+            }),
+            (0_usize..3).prop_map(|bundle| MeshOp::DeleteTips { bundles: vec![bundle] }),
+            (0_usize..2).prop_map(|bundle| MeshOp::DivideFace { bundle, cut: FaceCut::Corners(0, 2) }),
+            (vertex(), any::<bool>()).prop_map(|(id, pinned)| MeshOp::SetPinned { vertices: vec![id], pinned }),
+            vertex().prop_map(|id| MeshOp::SeparateVertices { vertices: vec![id] }),
+        ];
+        prop_oneof![
+            (layer_idx(), 0.0..1.0_f32)
+                .prop_map(|(layer_idx, bend)| Edit::SetSource { layer_idx, source: hair_mesh_source(bend) }),
+            (layer_idx(), op).prop_map(|(layer_idx, op)| Edit::HairMesh { layer_idx, op }),
+            (layer_idx(), proptest::collection::vec((vertex(), -2.0..2.0_f32), 0..4)).prop_map(|(layer_idx, moves)| {
+                let moves = moves.into_iter().map(|(id, x)| (id, Vec3::new(x, 1.0, -x))).collect();
+                Edit::MoveVertices { layer_idx, moves }
+            }),
+        ]
+    }
+
     pub(crate) fn any_edit() -> impl Strategy<Value = Edit> {
-        prop_oneof![4 => any_leaf(), 1 => proptest::collection::vec(any_leaf(), 0..4).prop_map(Edit::Batch)]
+        prop_oneof![4 => any_leaf(), 2 => any_hair_mesh_edit(), 1 => proptest::collection::vec(any_leaf(), 0..4).prop_map(Edit::Batch)]
     }
 
     pub(crate) fn small_groom() -> Groom {
-        Groom { layers: vec![layer_named("fringe"), layer_named("back")], ..Groom::default() }
+        let top = Layer::new("top", hair_mesh_source(0.2));
+        Groom { layers: vec![layer_named("fringe"), top, layer_named("back")], ..Groom::default() }
     }
 
     proptest! {
@@ -399,7 +496,7 @@ pub(crate) mod tests {
         let mut groom = small_groom();
         let before = groom.clone();
         let batch = Edit::Batch(vec![Edit::SetName("other".into()), Edit::RemoveLayer { layer_idx: 9 }]);
-        assert_eq!(groom.apply(batch), Err(EditError::NoSuchLayer { layer_idx: 9, n_layers: 2 }));
+        assert_eq!(groom.apply(batch), Err(EditError::NoSuchLayer { layer_idx: 9, n_layers: 3 }));
         assert_eq!(groom, before);
     }
 }

@@ -73,6 +73,7 @@ impl HairMesh {
             HairMeshLayer {
                 positions: paths.iter().map(cut).collect(),
                 faces: faces.iter().map(|face| Some(face.clone())).collect(),
+                pinned: Vec::new(),
             }
         };
         let mesh = Self { layers: std::iter::once(&0.0).chain(layers_at).map(|&share| at(share)).collect() };

@@ -16,7 +16,6 @@ pub mod groom;
 pub mod grow;
 pub mod guides;
 pub mod hair_mesh;
-pub mod hair_mesh_relax;
 pub mod hash;
 pub mod history;
 pub mod io;

@@ -220,6 +220,7 @@ impl<R: Read + Seek> Arrays<'_, R> {
         let mut hair_mesh = light.clone();
         for (k, layer) in hair_mesh.layers.iter_mut().enumerate() {
             layer.positions = self.array(&hair_mesh_name(layer_idx, k, "positions.f32"))?;
+            layer.pinned = self.array(&hair_mesh_name(layer_idx, k, "pinned.u32"))?;
             let name = hair_mesh_name(layer_idx, k, "faces.u32");
             let flat: Vec<u32> = self.array(&name)?;
             layer.faces = faces_of(&flat).ok_or_else(|| {

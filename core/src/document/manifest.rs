@@ -228,6 +228,8 @@ fn put_hair_mesh<'g>(arrays: &mut Vec<Part<'g>>, layer_idx: usize, hair_mesh: &'
         arrays.push(Part { name: hair_mesh_name(layer_idx, k, "positions.f32"), content: positions });
         let faces = Content::Whole(flat_faces(&layer.faces).into());
         arrays.push(Part { name: hair_mesh_name(layer_idx, k, "faces.u32"), content: faces });
+        let pinned = Content::Whole((&layer.pinned).into());
+        arrays.push(Part { name: hair_mesh_name(layer_idx, k, "pinned.u32"), content: pinned });
     }
 }
 

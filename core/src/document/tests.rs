@@ -67,6 +67,7 @@ fn hair_mesh() -> impl Strategy<Value = HairMesh> {
                 .map(|k| HairMeshLayer {
                     positions: (0..2 * n_bundles + 2).map(|v| places[(v + 7 * k) % 40]).collect(),
                     faces: (0..n_bundles).map(|bundle| (k < heights[bundle].max(1)).then(|| face(bundle))).collect(),
+                    pinned: (0..2 * n_bundles as u32 + 2).filter(|v| (v + k as u32).is_multiple_of(3)).collect(),
                 })
                 .collect();
             HairMesh { layers }
@@ -131,8 +132,8 @@ fn sample() -> Groom {
     let positions = vec![Vec3::X, Vec3::Y, Vec3::Z];
     let hair_mesh = HairMesh {
         layers: vec![
-            HairMeshLayer { positions: positions.clone(), faces: vec![face.clone(), None] },
-            HairMeshLayer { positions: positions.clone(), faces: vec![face, None] },
+            HairMeshLayer { positions: positions.clone(), faces: vec![face.clone(), None], pinned: Vec::new() },
+            HairMeshLayer { positions: positions.clone(), faces: vec![face, None], pinned: vec![0, 2] },
         ],
     };
     let mut first = Layer::from_strands("strands", strands);

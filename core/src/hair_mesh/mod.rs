@@ -9,12 +9,30 @@
 //! - every layer has a place for every bundle; a bundle that has a face in a layer has one in all below;
 //! - a face has at least three different corners, as many as the bundle's face in layer 0;
 //! - a vertex stands on one vertex of the layer below, whichever face one asks (one-to-many, paper 3.1);
-//! - indices are in range and positions finite.
+//! - indices are in range, positions finite, and pinned vertices listed once, in rising order.
 //!
 //! A bundle without a face in layer 0 is a deleted one: no hair grows there, and no other index moves.
 
+mod divide;
+mod error;
+mod extrude;
+mod layers;
+mod op;
+#[cfg(test)]
+mod op_tests;
+mod relax;
+mod separate;
+mod smooth;
+mod subdivide;
+mod weld;
+mod work;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+
+pub use error::HairMeshError;
+pub use extrude::{Along, Extruded, Weld};
+pub use op::{EdgeId, FaceCut, MeshOp, NewVertex, Report, Scheme, VertexId};
 
 /// Layers over a root layer. Layer 0 lies on the scalp.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -29,46 +47,9 @@ pub struct HairMeshLayer {
     /// Face of each bundle: at least three corners, as many as the bundle has in layer 0; `None` above
     /// the bundle's tip.
     pub faces: Vec<Option<Vec<u32>>>,
-}
-
-/// Why layers are no hair mesh, or an operation cannot be done.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum HairMeshError {
-    #[error("layer {layer} has places for {found} bundles and layer 0 for {expected}")]
-    BundleCount { layer: usize, found: usize, expected: usize },
-    #[error("bundle {bundle} has a face in layer {layer} but none in the layer below")]
-    Gap { layer: usize, bundle: usize },
-    #[error("the face of bundle {bundle} in layer {layer} has {found} corners; its root face has {expected}")]
-    CornerCount { layer: usize, bundle: usize, found: usize, expected: usize },
-    #[error("the face of bundle {bundle} in layer {layer} has fewer than three different corners")]
-    Degenerate { layer: usize, bundle: usize },
-    #[error("the face of bundle {bundle} in layer {layer} names vertex {vertex}, which the layer does not have")]
-    Index { layer: usize, bundle: usize, vertex: u32 },
-    #[error("vertex {vertex} of layer {layer} stands on two vertices of the layer below: separate it first")]
-    ManyToOne { layer: usize, vertex: u32 },
-    #[error("vertex {vertex} of layer {layer} is not at a finite place")]
-    NotFinite { layer: usize, vertex: u32 },
-    #[error("there is no bundle {bundle}")]
-    NoBundle { bundle: usize },
-}
-
-/// Whether faces that are extruded join the faces of the next layer that are already there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Weld {
-    /// Share vertices with neighbours that were extruded before.
-    Neighbours,
-    /// Share vertices only among the faces of this call: a parting opens to the rest.
-    Apart,
-}
-
-/// A vertex that is being extruded from a layer to the next.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extruded {
-    /// The layer it comes from.
-    pub layer: usize,
-    /// Its index there.
-    pub vertex: u32,
-    pub position: Vec3,
+    /// Vertices that stay where they are when the inside is relaxed: rising indices.
+    #[serde(default)]
+    pub pinned: Vec<u32>,
 }
 
 /// The guide curves of a hair mesh: chains of vertices from layer to layer, each once however many
@@ -84,7 +65,8 @@ pub struct Chains {
 impl HairMesh {
     /// A hair mesh of only a root layer.
     pub fn from_polygons(positions: Vec<Vec3>, faces: Vec<Vec<u32>>) -> Result<Self, HairMeshError> {
-        let mesh = Self { layers: vec![HairMeshLayer { positions, faces: faces.into_iter().map(Some).collect() }] };
+        let faces = faces.into_iter().map(Some).collect();
+        let mesh = Self { layers: vec![HairMeshLayer { positions, faces, pinned: Vec::new() }] };
         mesh.check()?;
         Ok(mesh)
     }
@@ -132,12 +114,18 @@ impl HairMesh {
     /// Check every invariant that the file's head states.
     pub fn check(&self) -> Result<(), HairMeshError> {
         let n_bundles = self.n_bundles();
-        for (layer, HairMeshLayer { positions, faces }) in self.layers.iter().enumerate() {
+        for (layer, HairMeshLayer { positions, faces, pinned }) in self.layers.iter().enumerate() {
             if faces.len() != n_bundles {
                 return Err(HairMeshError::BundleCount { layer, found: faces.len(), expected: n_bundles });
             }
             if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
                 return Err(HairMeshError::NotFinite { layer, vertex: vertex as u32 });
+            }
+            if let Some(&vertex) = pinned.iter().find(|&&v| v as usize >= positions.len()) {
+                return Err(HairMeshError::NoVertex { layer, vertex });
+            }
+            if !pinned.is_sorted_by(|a, b| a < b) {
+                return Err(HairMeshError::PinnedOrder { layer });
             }
             let mut parent = vec![u32::MAX; positions.len()];
             for (bundle, face) in faces.iter().enumerate().filter_map(|(bundle, face)| Some((bundle, face.as_ref()?))) {
@@ -170,65 +158,6 @@ impl HairMesh {
         Ok(())
     }
 
-    /// Extrude the tip faces of `bundles` (paper 3.2, Face Extrude): `place` says where each vertex goes.
-    /// Faces that share a vertex in their tip layer share its copy.
-    pub fn extrude(
-        &mut self,
-        bundles: &[usize],
-        weld: Weld,
-        mut place: impl FnMut(Extruded) -> Vec3,
-    ) -> Result<(), HairMeshError> {
-        use std::collections::HashMap;
-        let n_bundles = self.n_bundles();
-        let mut tips = Vec::with_capacity(bundles.len());
-        for &bundle in bundles {
-            tips.push((bundle, self.tip_layer(bundle).ok_or(HairMeshError::NoBundle { bundle })?));
-        }
-        // (layer below, vertex below) -> vertex above.
-        let mut copy_of: HashMap<(usize, u32), u32> = HashMap::new();
-        if weld == Weld::Neighbours {
-            for layer in 1..self.layers.len() {
-                for bundle in 0..n_bundles {
-                    let Some(face) = self.face(layer, bundle) else { continue };
-                    let Some(below) = self.face(layer - 1, bundle) else { continue };
-                    for (&above, &on) in face.iter().zip(below) {
-                        copy_of.entry((layer - 1, on)).or_insert(above);
-                    }
-                }
-            }
-        }
-        for (bundle, tip) in tips {
-            if self.layers.len() == tip + 1 {
-                self.layers.push(HairMeshLayer { positions: Vec::new(), faces: vec![None; n_bundles] });
-            }
-            let below = self.layers[tip].faces[bundle].clone().unwrap_or_default();
-            let mut face = Vec::with_capacity(below.len());
-            for vertex in below {
-                let above = *copy_of.entry((tip, vertex)).or_insert_with(|| {
-                    let position = self.layers[tip].positions[vertex as usize];
-                    let next = &mut self.layers[tip + 1].positions;
-                    next.push(place(Extruded { layer: tip, vertex, position }));
-                    next.len() as u32 - 1
-                });
-                face.push(above);
-            }
-            self.layers[tip + 1].faces[bundle] = Some(face);
-        }
-        Ok(())
-    }
-
-    /// Delete the bundle's tip face (paper 3.2, Face Delete). At the root it deletes the bundle: its
-    /// index stays, without a face.
-    pub fn delete_tip(&mut self, bundle: usize) -> Result<(), HairMeshError> {
-        let tip = self.tip_layer(bundle).ok_or(HairMeshError::NoBundle { bundle })?;
-        self.layers[tip].faces[bundle] = None;
-        self.layers[tip].drop_unused();
-        while self.layers.len() > 1 && self.layers.last().is_some_and(|layer| layer.faces.iter().all(Option::is_none)) {
-            self.layers.pop();
-        }
-        Ok(())
-    }
-
     /// Move vertices of one layer: `place` gets index and position.
     pub fn move_vertices(&mut self, layer: usize, mut place: impl FnMut(u32, Vec3) -> Vec3) {
         for (vertex, position) in self.layers[layer].positions.iter_mut().enumerate() {
@@ -256,26 +185,6 @@ impl HairMesh {
             result.of_bundle.push(corners);
         }
         result
-    }
-}
-
-impl HairMeshLayer {
-    /// Drop the vertices that no face uses.
-    fn drop_unused(&mut self) {
-        let mut used = vec![false; self.positions.len()];
-        self.faces.iter().flatten().flatten().for_each(|&v| used[v as usize] = true);
-        let mut new_index = Vec::with_capacity(used.len());
-        let mut n_kept = 0;
-        for &used in &used {
-            new_index.push(n_kept);
-            n_kept += u32::from(used);
-        }
-        let mut old_idx = 0;
-        self.positions.retain(|_| {
-            old_idx += 1;
-            used[old_idx - 1]
-        });
-        self.faces.iter_mut().flatten().flatten().for_each(|v| *v = new_index[*v as usize]);
     }
 }
 
@@ -323,16 +232,17 @@ pub(crate) mod tests {
 
     #[test]
     fn deleting_a_tip_shortens_its_bundle_and_the_root_ends_it() {
+        let delete_tip = |mesh: &mut HairMesh| mesh.apply(&MeshOp::DeleteTips { bundles: vec![0] });
         let mut mesh = straight_grid(2, 2);
-        mesh.delete_tip(0).unwrap();
+        delete_tip(&mut mesh).unwrap();
         mesh.check().unwrap();
         assert_eq!((mesh.tip_layer(0), mesh.tip_layer(1)), (Some(1), Some(2)));
         assert_eq!(mesh.layers[2].positions.len(), 8);
-        mesh.delete_tip(0).unwrap();
-        mesh.delete_tip(0).unwrap();
+        delete_tip(&mut mesh).unwrap();
+        delete_tip(&mut mesh).unwrap();
         mesh.check().unwrap();
         assert_eq!((mesh.tip_layer(0), mesh.n_bundles()), (None, 4));
-        assert_eq!(mesh.delete_tip(0), Err(HairMeshError::NoBundle { bundle: 0 }));
+        assert_eq!(delete_tip(&mut mesh), Err(HairMeshError::NoBundle { bundle: 0 }));
         mesh.extrude(&[1], Weld::Neighbours, |v| v.position + Vec3::Y).unwrap();
         mesh.check().unwrap();
         assert_eq!(mesh.tip_layer(1), Some(3));
@@ -352,6 +262,8 @@ pub(crate) mod tests {
         assert!(matches!(broken(|m| m.layers[0].faces[0] = Some(vec![0, 1, 1, 2])), E::Degenerate { .. }));
         assert!(matches!(broken(|m| m.layers[1].faces[0] = Some(vec![0, 1, 2, 99])), E::Index { vertex: 99, .. }));
         assert!(matches!(broken(|m| m.layers[1].faces.swap(0, 3)), E::ManyToOne { layer: 1, .. }));
+        assert!(matches!(broken(|m| m.layers[1].pinned = vec![0, 9]), E::NoVertex { vertex: 9, .. }));
+        assert!(matches!(broken(|m| m.layers[1].pinned = vec![4, 2]), E::PinnedOrder { layer: 1 }));
         assert!(matches!(broken(|m| m.layers[1].positions[3].y = f32::NAN), E::NotFinite { vertex: 3, .. }));
     }
 }

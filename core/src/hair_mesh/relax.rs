@@ -6,7 +6,7 @@
 
 use glam::DVec3;
 
-use crate::hair_mesh::HairMesh;
+use super::HairMesh;
 
 /// Conjugate gradients stop when the residual is this share of the first.
 const TOLERANCE: f64 = 1e-6;
@@ -59,6 +59,15 @@ impl HairMesh {
             }
         }
         external
+    }
+
+    /// Place the inner vertices that are not pinned. Returns how many iterations that took.
+    pub fn relax_inside(&mut self) -> usize {
+        let mut fixed = self.external_vertices();
+        for (fixed, layer) in fixed.iter_mut().zip(&self.layers) {
+            layer.pinned.iter().for_each(|&v| fixed[v as usize] = true);
+        }
+        self.relax(|layer, v| fixed[layer][v as usize])
     }
 
     /// Place all vertices that are not `fixed` (asked by layer and vertex; the root layer always is) so
