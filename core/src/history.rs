@@ -160,6 +160,13 @@ impl History {
         Some(&self.steps[step_idx].label)
     }
 
+    /// Undo the last step and forget it: what a drag did before it was given up.
+    pub fn take_back(&mut self, groom: &mut Groom) {
+        if self.undo(groom).is_some() {
+            self.steps.truncate(self.n_done);
+        }
+    }
+
     /// Do the next undone step again; returns its label, `None` where there is none.
     pub fn redo(&mut self, groom: &mut Groom) -> Option<&str> {
         let step_idx = self.n_done;
@@ -498,6 +505,17 @@ mod tests {
         assert_eq!(groom, first);
         history.redo(&mut groom);
         assert_eq!(groom, last);
+    }
+
+    #[test]
+    fn what_is_taken_back_cannot_be_done_again() {
+        let mut groom = small_groom();
+        let mut history = History::default();
+        history.apply(&mut groom, "kept", exposure(1.0), Merge::New).unwrap();
+        let state = history.state();
+        history.apply(&mut groom, "given up", exposure(2.0), Merge::Drag(3)).unwrap();
+        history.take_back(&mut groom);
+        assert_eq!((groom.look.exposure, history.state(), history.can_redo()), (1.0, state, false));
     }
 
     #[test]

@@ -53,6 +53,11 @@ impl Document {
         self.history.undo(&mut self.groom).map(str::to_owned)
     }
 
+    /// Undo the last step as if it had never been: a drag was given up.
+    pub fn take_back(&mut self) {
+        self.history.take_back(&mut self.groom);
+    }
+
     pub fn redo(&mut self) -> Option<String> {
         self.history.redo(&mut self.groom).map(str::to_owned)
     }

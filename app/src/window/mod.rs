@@ -647,7 +647,10 @@ impl eframe::App for Studio {
         if self.is_lost {
             self.hand_over(&ctx);
         }
-        let is_typing = ctx.text_edit_focused() || self.desk.renaming.is_some() || self.palette.is_some();
+        let is_typing = ctx.text_edit_focused()
+            || self.desk.renaming.is_some()
+            || self.palette.is_some()
+            || self.desk.tools.takes_keys();
         if let Some(command) = commands::pressed(&ctx, is_typing, self.desk.tools.active) {
             self.desk.asked.push(command);
         }
@@ -675,7 +678,7 @@ impl eframe::App for Studio {
         for command in std::mem::take(&mut self.desk.asked) {
             self.run(&ctx, command);
         }
-        if !ctx.input(|input| input.pointer.any_down()) {
+        if !ctx.input(|input| input.pointer.any_down()) && !self.desk.tools.takes_keys() {
             self.desk.document.history.end_drag();
         }
         self.desk.clamp_selection();

@@ -36,6 +36,13 @@ impl Projection {
         })
     }
 
+    /// Centimetres that one point of the window is at the depth of `world`.
+    pub fn cm_per_point(&self, world: Vec3) -> f32 {
+        let clip = self.clip_from_world * world.extend(1.0);
+        let row = self.clip_from_world.row(1).truncate().length().max(1e-6);
+        2.0 * clip.w.abs() / (row * self.rect.height().max(1.0))
+    }
+
     pub fn rect(&self) -> Rect {
         self.rect
     }
@@ -49,5 +56,25 @@ impl Projection {
         let near = world_from_clip.project_point3(Vec3::new(x, y, 0.0));
         let far = world_from_clip.project_point3(Vec3::new(x, y, 0.5));
         (near, (far - near).normalize_or(Vec3::NEG_Z))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::vec2;
+
+    use super::*;
+
+    #[test]
+    fn a_point_of_the_window_is_as_large_as_it_is_said_to_be() {
+        let camera = Camera { target: Vec3::new(0.0, 5.0, 0.0), ..Camera::default() };
+        let projection = Projection::new(&camera, Rect::from_min_size(pos2(100.0, 50.0), vec2(800.0, 600.0)));
+        let world = Vec3::new(1.0, 4.0, 2.0);
+        let up = camera.view_from_world().inverse().y_axis.truncate();
+        let (a, b) = (projection.point(world).unwrap(), projection.point(world + up).unwrap());
+        assert!((a.distance(b) * projection.cm_per_point(world) - 1.0).abs() < 0.02);
+        let (origin, ray) = projection.ray(a);
+        let t = (world - origin).dot(ray);
+        assert!((origin + t * ray).distance(world) < 1e-2);
     }
 }

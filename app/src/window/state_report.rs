@@ -109,7 +109,11 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         "look": choices,
         "layers": groom.layers.iter().map(|layer| layer.name.clone()).collect::<Vec<_>>(),
         "camera": [desk.camera.azimuth_deg, desk.camera.elevation_deg, desk.camera.distance],
-        "tool": desk.tools.active.label(),
+        "tool": {
+            "name": desk.tools.active.label(),
+            "selected": desk.tools.mesh.selection.vertices.len(),
+            "refusal": desk.tools.mesh.refusal(),
+        },
         "playing": desk.playback.is_playing,
         "sim_secs": report.sim_secs,
         "head": [pose.shift.x, pose.shift.y, pose.shift.z, pose.yaw, pose.pitch],

@@ -20,10 +20,12 @@ mod layers;
 mod op;
 #[cfg(test)]
 mod op_tests;
+mod outer;
 mod relax;
 mod separate;
 mod smooth;
 mod subdivide;
+mod transform;
 mod weld;
 mod work;
 
@@ -33,6 +35,8 @@ use serde::{Deserialize, Serialize};
 pub use error::HairMeshError;
 pub use extrude::{Along, Extruded, Weld};
 pub use op::{EdgeId, FaceCut, MeshOp, NewVertex, Report, Scheme, VertexId};
+pub use outer::{OuterEdge, OuterFace, OuterSurface};
+pub use transform::{Limits, VertexDrag, VertexMotion};
 
 /// Layers over a root layer. Layer 0 lies on the scalp.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -97,11 +101,20 @@ impl HairMesh {
         })
     }
 
+    /// Whether `other` has the same faces, wherever its vertices are.
+    pub fn has_same_faces(&self, other: &Self) -> bool {
+        self.layers.len() == other.layers.len()
+            && self
+                .layers
+                .iter()
+                .zip(&other.layers)
+                .all(|(a, b)| a.faces == b.faces && a.positions.len() == b.positions.len())
+    }
+
     /// Whether `other` has the same faces and the same root layer: the same strands grow on it, along other paths.
     pub fn differs_in_shape_only(&self, other: &Self) -> bool {
-        self.layers.len() == other.layers.len()
+        self.has_same_faces(other)
             && self.layers.first().map(|root| &root.positions) == other.layers.first().map(|root| &root.positions)
-            && self.layers.iter().zip(&other.layers).all(|(a, b)| a.faces == b.faces)
     }
 
     /// Smallest box around all vertices as (min, max); `None` where there are none.

@@ -55,6 +55,13 @@ pub struct Tools {
     pub surface: surface::HeadSurface,
 }
 
+impl Tools {
+    /// Plain keys belong to what a tool is doing, not to commands.
+    pub fn takes_keys(&self) -> bool {
+        self.active == Tool::Mesh && self.mesh.takes_keys()
+    }
+}
+
 /// What a tool sees of the viewport in one frame. Places are in the space of the head at rest, in which the
 /// groom is written: the projection has the head's pose in it.
 pub struct View<'a> {
@@ -67,6 +74,22 @@ pub struct View<'a> {
 }
 
 impl View<'_> {
+    /// Unit vectors to the right and up on the screen, in the head's space.
+    pub fn right(&self) -> Vec3 {
+        self.across(vec2(40.0, 0.0))
+    }
+
+    pub fn up(&self) -> Vec3 {
+        self.across(vec2(0.0, -40.0))
+    }
+
+    fn across(&self, by: egui::Vec2) -> Vec3 {
+        let middle = self.projection.rect().center();
+        let (a, toward) = self.projection.ray(middle);
+        let (b, _) = self.projection.ray(middle + by);
+        (b - a).reject_from_normalized(toward).normalize_or(Vec3::X)
+    }
+
     /// The pointer, where it is over the viewport and free for the tool.
     pub fn pointer(&self, ui: &Ui) -> Option<Pos2> {
         let at = ui.input(|input| input.pointer.latest_pos())?;
