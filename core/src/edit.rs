@@ -170,16 +170,26 @@ impl Groom {
                 Edit::SetSource { layer_idx, source }
             }
             Edit::HairMesh { layer_idx, op } => {
-                let source = self.layer_mut(layer_idx)?.source.clone();
-                let mut changed = HairMesh::clone(self.hair_mesh_mut(layer_idx)?);
+                let before = Arc::clone(self.hair_mesh_mut(layer_idx)?);
+                let mut changed = HairMesh::clone(&before);
                 changed.apply(&op).map_err(|error| EditError::HairMesh { layer_idx, error })?;
-                self.layer_mut(layer_idx)?.source = Source::HairMesh(Arc::new(changed));
-                Edit::SetSource { layer_idx, source }
+                let sharing = self.share_hair_mesh(&before, &Arc::new(changed));
+                let back = |layer_idx| Edit::SetSource { layer_idx, source: Source::HairMesh(Arc::clone(&before)) };
+                match sharing[..] {
+                    [alone] => back(alone),
+                    _ => Edit::Batch(sharing.into_iter().map(back).collect()),
+                }
             }
             Edit::MoveVertices { layer_idx, moves } => {
                 let hair_mesh = self.hair_mesh_mut(layer_idx)?;
+                // Held only where another layer has it too: alone, it is changed in place.
+                let before = (Arc::strong_count(hair_mesh) > 1).then(|| Arc::clone(hair_mesh));
                 let moves = HairMesh::put_vertices(hair_mesh, moves)
                     .map_err(|error| EditError::HairMesh { layer_idx, error })?;
+                let after = Arc::clone(hair_mesh);
+                if let Some(before) = before {
+                    self.share_hair_mesh(&before, &after);
+                }
                 Edit::MoveVertices { layer_idx, moves }
             }
             Edit::Batch(edits) => self.apply_batch(edits)?,
@@ -201,6 +211,21 @@ impl Groom {
         }
         inverses.reverse();
         Ok(Edit::Batch(inverses))
+    }
+
+    /// Several layers may trace one hair mesh: let all of them trace `after` that trace `before`. Returns which, and
+    /// those that trace `after` already.
+    fn share_hair_mesh(&mut self, before: &Arc<HairMesh>, after: &Arc<HairMesh>) -> Vec<usize> {
+        let mut sharing = Vec::new();
+        for (layer_idx, layer) in self.layers.iter_mut().enumerate() {
+            if let Source::HairMesh(mesh) = &mut layer.source
+                && (Arc::ptr_eq(mesh, before) || Arc::ptr_eq(mesh, after))
+            {
+                *mesh = Arc::clone(after);
+                sharing.push(layer_idx);
+            }
+        }
+        sharing
     }
 
     fn hair_mesh_mut(&mut self, layer_idx: usize) -> Result<&mut Arc<HairMesh>, EditError> {
@@ -489,6 +514,31 @@ pub(crate) mod tests {
             prop_assert_eq!(&groom, &first);
             prop_assert_eq!(ron::to_string(&groom).unwrap(), first_text);
         }
+    }
+
+    #[test]
+    fn layers_that_share_a_hair_mesh_go_on_sharing_it() {
+        let mut groom = small_groom();
+        let mut frizz = groom.layers[1].clone();
+        frizz.name = "frizz".to_owned();
+        groom.layers.push(frizz);
+        let before = groom.clone();
+        let mesh_of = |groom: &Groom, layer_idx: usize| match &groom.layers[layer_idx].source {
+            Source::HairMesh(mesh) => Arc::clone(mesh),
+            Source::Guides(_) | Source::Strands(_) => panic!("made of a hair mesh"),
+        };
+        let id = VertexId { layer: 1, vertex: 0 };
+        let moves = vec![(id, Vec3::new(1.0, 2.0, 3.0))];
+        let mut undo = vec![groom.apply(Edit::MoveVertices { layer_idx: 3, moves }).unwrap()];
+        assert!(Arc::ptr_eq(&mesh_of(&groom, 1), &mesh_of(&groom, 3)));
+        assert_eq!(mesh_of(&groom, 1).position(id), Some(Vec3::new(1.0, 2.0, 3.0)));
+        undo.push(groom.apply(Edit::HairMesh { layer_idx: 1, op: MeshOp::DeleteTips { bundles: vec![0] } }).unwrap());
+        assert!(Arc::ptr_eq(&mesh_of(&groom, 1), &mesh_of(&groom, 3)));
+        for edit in undo.into_iter().rev() {
+            groom.apply(edit).unwrap();
+        }
+        assert_eq!(groom, before);
+        assert!(Arc::ptr_eq(&mesh_of(&groom, 1), &mesh_of(&groom, 3)), "undo keeps them together");
     }
 
     #[test]
