@@ -76,7 +76,8 @@ impl MeshTool {
             | MeshCommand::Ring
             | MeshCommand::Bundle
             | MeshCommand::Layer
-            | MeshCommand::Linked => return self.refuse("TEMP"),
+            | MeshCommand::Linked
+            | MeshCommand::Mirror => return self.refuse("this selection is not there yet"),
             MeshCommand::Move => return self.grab(&mesh, GrabKind::Move),
             MeshCommand::Rotate => return self.grab(&mesh, GrabKind::Rotate),
             MeshCommand::Scale => return self.grab(&mesh, GrabKind::Scale),
@@ -124,7 +125,6 @@ impl MeshTool {
             }
             MeshCommand::Pin => MeshOp::SetPinned { vertices: vertices(), pinned: true },
             MeshCommand::Unpin => MeshOp::SetPinned { vertices: vertices(), pinned: false },
-            MeshCommand::Mirror => return self.refuse("TEMP"),
         };
         let is_extrusion = matches!(op, MeshOp::Extrude { .. });
         self.do_op(desk, layer_idx, Command::Mesh(command).row().label, op);
