@@ -393,7 +393,7 @@ pub(crate) mod tests {
     use crate::maps::tests::any_kind;
     use crate::mesh::TriMesh;
     use crate::strands::Strands;
-    use crate::style::StyleKind;
+    use crate::style::{Profile, StyleKind};
 
     fn layer_named(name: &str) -> Layer {
         let mut strands = Strands::default();
@@ -429,7 +429,8 @@ pub(crate) mod tests {
             }),
             (layer_idx(), 0_u32..4).prop_map(|(layer_idx, seed)| {
                 let kind = StyleKind::Clump { strands_per_clump: 50.0, flare: 0.0, stray: 0.0 };
-                let op = StyleOp { on: true, strength: 0.5, from: 0.0, ramp: 1.0, seed, kind };
+                let curve = Profile::of_ramp(seed as f32);
+                let op = StyleOp { strength: 0.5, solo: seed == 2, curve, seed, ..StyleOp::new(kind) };
                 Edit::SetStyle { layer_idx, style: vec![op; seed as usize] }
             }),
             (layer_idx(), any_kind(), proptest::collection::vec((0_u32..20, any::<u8>()), 0..4)).prop_map(

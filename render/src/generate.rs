@@ -52,7 +52,11 @@ struct Params {
     lod_scale: f32,
     lod_end: f32,
     lod_fade: f32,
-    pad: u32,
+    smooth_op: u32,
+    wisp_size: u32,
+    n_maps: u32,
+    length_map: u32,
+    width_map: u32,
 }
 
 impl StrandGenerator {
@@ -118,7 +122,7 @@ impl StrandGenerator {
                 n_vertices: place.vertices_per_strand,
                 guide_vertices: layer.binding.guides.n_vertices,
                 first_vertex: place.first_vertex,
-                n_ops: layer.n_ops,
+                n_ops: layer.plan.n_ops,
                 n_sizes: layer.binding.clumps.sizes.len() as u32,
                 radius: layer.layer.radius_um * 1e-4,
                 tip_radius: layer.layer.tip_radius,
@@ -126,7 +130,11 @@ impl StrandGenerator {
                 lod_scale: lod.scale,
                 lod_end: lod.end,
                 lod_fade: lod.fade,
-                pad: 0,
+                smooth_op: layer.plan.smooth_op,
+                wisp_size: layer.plan.wisp_size,
+                n_maps: layer.binding.maps.len() as u32,
+                length_map: layer.plan.length_map,
+                width_map: layer.plan.width_map,
             };
             let widest = params.radius * lod.scale * layer.widest_scale;
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
@@ -140,6 +148,8 @@ impl StrandGenerator {
                     ("influences", layer.influences.as_entire_binding()),
                     ("middles", layer.middles.as_entire_binding()),
                     ("ops", layer.ops.as_entire_binding()),
+                    ("curves", layer.curves.as_entire_binding()),
+                    ("map_values", layer.map_values.as_entire_binding()),
                     ("field", self.mirror.field_buffer.as_entire_binding()),
                     ("knots", layer.knots.as_entire_binding()),
                     ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
@@ -223,22 +233,45 @@ mod tests {
     }
 
     fn groom() -> Groom {
+        let with_seeds = |kinds: &[StyleKind]| -> Vec<StyleOp> {
+            let op = |(seed, kind): (usize, &StyleKind)| StyleOp {
+                strength: 0.7,
+                from: 0.05,
+                seed: seed as u32,
+                ..StyleOp::new(*kind)
+            };
+            kinds.iter().enumerate().map(op).collect()
+        };
+        let is_wisp = |kind: &StyleKind| matches!(kind, StyleKind::Wisp { .. });
         let mut style: Vec<StyleOp> = vec![
             StyleOp::new(StyleKind::Clump { strands_per_clump: 300.0, flare: 0.3, stray: 0.2 }),
             StyleOp { ramp: 0.6, ..StyleOp::new(StyleKind::Clump { strands_per_clump: 30.0, flare: 0.1, stray: 0.4 }) },
         ];
-        style.extend(StyleKind::DEFAULTS.into_iter().enumerate().map(|(seed, kind)| StyleOp {
-            strength: 0.7,
-            from: 0.05,
-            seed: seed as u32,
-            ..StyleOp::new(kind)
-        }));
+        let kinds: Vec<StyleKind> = StyleKind::DEFAULTS.into_iter().filter(|kind| !is_wisp(kind)).collect();
+        style.extend(with_seeds(&kinds));
         let hair = Layer {
             n_strands: 1500,
             vertices_per_strand: 24,
             style,
             ..Layer::new("hair", Source::HairMesh(Arc::new(falling_hair())))
         };
+        // Every kind once more, with a drawn curve and every way to join the others, around two wisps.
+        let mut drawn = with_seeds(&StyleKind::DEFAULTS);
+        drawn.push(StyleOp::new(StyleKind::Deviate { share: 0.5, amplitude: 1.0, lift: -0.3, whole: 0.8 }));
+        drawn.push(StyleOp::new(StyleKind::Wisp {
+            strands_per_clump: 20.0,
+            radius: 0.3,
+            gather: 0.4,
+            fuzz: 0.5,
+            twist: -0.7,
+            length_variation: 0.2,
+        }));
+        drawn.push(StyleOp::new(StyleKind::Length { variation: 0.3, strands_per_clump: 1.0 }));
+        for (op_idx, op) in drawn.iter_mut().enumerate() {
+            op.curve = lorelei_core::style::Profile::of(&[[0.0, 0.3], [0.2 + 0.05 * op_idx as f32, 0.9], [1.0, 0.5]]);
+            op.blend = op.kind.blends()[op_idx % op.kind.blends().len()];
+        }
+        let wisps = Layer { style: drawn, n_strands: 1200, name: "wisps".to_owned(), ..hair.clone() };
         let mut guides = Strands::default();
         for i in 0..40 {
             let (sin, cos) = (i as f32 * 2.4).sin_cos();
@@ -251,7 +284,7 @@ mod tests {
             style: vec![StyleOp::new(StyleKind::Frizz { amplitude: 0.2, wavelength: 1.0, strands_per_clump: 10.0 })],
             ..Layer::new("guides", Source::Guides(Arc::new(guides)))
         };
-        Groom { head: Some(ball(8.0)), layers: vec![hair, fuzz], ..Groom::default() }
+        Groom { head: Some(ball(8.0)), layers: vec![hair, fuzz, wisps], ..Groom::default() }
     }
 
     fn make(gpu: &Gpu, generator: &mut StrandGenerator, pose: &StrandPose<'_>) -> Vec<[f32; 4]> {

@@ -10,8 +10,10 @@ use std::sync::Arc;
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::generate::Lod;
+use lorelei_core::generate::plan::{Plan, Step};
 use lorelei_core::groom::{Groom, Layer};
-use lorelei_core::style::{StyleKind, StyleOp};
+use lorelei_core::maps::MapKind;
+use lorelei_core::style::Blend;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use wgpu::BufferUsages;
 
@@ -81,7 +83,9 @@ pub(crate) struct LayerMirror {
     pub(crate) influences: wgpu::Buffer,
     pub(crate) middles: wgpu::Buffer,
     pub(crate) ops: wgpu::Buffer,
-    pub(crate) n_ops: u32,
+    pub(crate) curves: wgpu::Buffer,
+    pub(crate) map_values: wgpu::Buffer,
+    pub(crate) plan: PlanNumbers,
     /// Of the widest strand, times the layer's radius.
     pub(crate) widest_scale: f32,
     /// Place in the shared buffers, with as many strands as there is room for; `None` where hidden.
@@ -118,12 +122,30 @@ struct GpuOp {
     kind: u32,
     size_idx: u32,
     seed: u32,
+    flags: u32,
     strength: f32,
     from: f32,
     ramp: f32,
-    params: [f32; 3],
-    pad: [f32; 3],
+    table: u32,
+    numbers: [f32; 6],
+    maps: [u32; 2],
 }
+
+/// What of a plan stands in the parameters of a dispatch; an index is [`NONE`] where there is none.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PlanNumbers {
+    pub(crate) n_ops: u32,
+    pub(crate) smooth_op: u32,
+    pub(crate) wisp_size: u32,
+    pub(crate) length_map: u32,
+    pub(crate) width_map: u32,
+}
+
+/// Twin of `NONE` in generate.wgsl.
+const NONE: u32 = u32::MAX;
+
+/// Twin of `PER_WISP` in generate.wgsl; the blend is the bits below.
+const PER_WISP: u32 = 4;
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
 
@@ -258,10 +280,11 @@ impl Mirror {
     /// Bytes of all buffers of strands, guides and weights.
     pub fn n_bytes(&self) -> u64 {
         let of_layer = |mirror: &LayerMirror| {
-            [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences, &mirror.middles, &mirror.ops]
-                .iter()
-                .map(|buffer| buffer.size())
-                .sum::<u64>()
+            {
+                let of_roots = [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences];
+                let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values];
+                of_roots.into_iter().chain(of_style).map(|buffer| buffer.size()).sum::<u64>()
+            }
         };
         self.layers.iter().map(of_layer).sum::<u64>()
             + self.buffers.vertices.size()
@@ -309,8 +332,10 @@ impl LayerMirror {
             influences: gpu.buffer_of("generate.influences", &binding.influences, STORAGE),
             middles: gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE),
             ops: gpu.buffer("generate.ops", 16, STORAGE),
-            n_ops: 0,
-            widest_scale: binding.radius_scales.iter().copied().fold(1.0, f32::max),
+            curves: gpu.buffer("generate.curves", 16, STORAGE),
+            map_values: gpu.buffer_of("generate.map_values", &binding.map_values, STORAGE),
+            plan: PlanNumbers { n_ops: 0, smooth_op: NONE, wisp_size: NONE, length_map: NONE, width_map: NONE },
+            widest_scale: 1.0,
             binding: Arc::clone(binding),
             places: bound.places,
             place: None,
@@ -335,16 +360,36 @@ impl LayerMirror {
                 gpu.queue.write_buffer(&self.guides, 0, bytemuck::cast_slice(&guides_of(binding)));
                 gpu.queue.write_buffer(&self.knots, 0, bytemuck::cast_slice(&binding.knots));
             }
+            if self.binding.map_values != binding.map_values {
+                self.map_values = gpu.buffer_of("generate.map_values", &binding.map_values, STORAGE);
+            }
             self.binding = Arc::clone(binding);
         }
         self.send_ops(gpu);
     }
 
     fn send_ops(&mut self, gpu: &Gpu) {
-        let active = self.layer.style.iter().filter(|op| op.is_active());
-        let ops: Vec<GpuOp> = active.map(|op| gpu_op(op, &self.binding)).collect();
-        self.n_ops = ops.len() as u32;
+        let plan = Plan::new(&self.layer.style, &self.binding);
+        let mut curves: Vec<f32> = Vec::new();
+        let mut ops = Vec::with_capacity(plan.steps.len());
+        for step in &plan.steps {
+            let table = step.table.map_or(NONE, |table| {
+                curves.extend(table);
+                (curves.len() - table.len()) as u32
+            });
+            ops.push(gpu_op(step, table));
+        }
+        self.plan = PlanNumbers {
+            n_ops: ops.len() as u32,
+            smooth_op: index_or_none(plan.smooth),
+            wisp_size: index_or_none(plan.wisp_size_idx()),
+            length_map: index_or_none(plan.length_map),
+            width_map: index_or_none(plan.width_map),
+        };
+        let widest = self.binding.radius_scales.iter().copied().fold(1.0, f32::max);
+        self.widest_scale = widest * plan.width_map.map_or(1.0, |_| MapKind::Width.max_value());
         self.ops = gpu.buffer_of("generate.ops", &ops, STORAGE);
+        self.curves = gpu.buffer_of("generate.curves", &curves, STORAGE);
     }
 
     /// Strands drawn at a level of detail, and their widths.
@@ -363,27 +408,31 @@ impl LayerMirror {
     }
 }
 
+fn gpu_op(step: &Step, table: u32) -> GpuOp {
+    let (kind, numbers) = step.numbers();
+    let blend = match step.blend {
+        Blend::Add => 0,
+        Blend::Replace => 1,
+        Blend::Modulate => 2,
+    };
+    GpuOp {
+        kind,
+        size_idx: index_or_none(step.size_idx),
+        seed: step.seed,
+        flags: blend | if step.per_wisp { PER_WISP } else { 0 },
+        strength: step.strength,
+        from: step.from,
+        ramp: step.ramp,
+        table,
+        numbers,
+        maps: step.maps.map(index_or_none),
+    }
+}
+
 fn guides_of(binding: &LayerBinding) -> Vec<[f32; 4]> {
     binding.guides.positions.iter().map(|p| [p.x, p.y, p.z, 0.0]).collect()
 }
 
-fn gpu_op(op: &StyleOp, binding: &LayerBinding) -> GpuOp {
-    let (kind, params) = match op.kind {
-        StyleKind::Length { variation, .. } => (0, [variation, 0.0, 0.0]),
-        StyleKind::Clump { flare, stray, .. } => (1, [flare, stray, 0.0]),
-        StyleKind::Wave { amplitude, wavelength, .. } => (2, [amplitude, wavelength, 0.0]),
-        StyleKind::Curl { radius, pitch, loosen, .. } => (3, [radius, pitch, loosen]),
-        StyleKind::Frizz { amplitude, wavelength, .. } => (4, [amplitude, wavelength, 0.0]),
-        StyleKind::Deviate { share, amplitude, lift } => (5, [share, amplitude, lift]),
-    };
-    GpuOp {
-        kind,
-        size_idx: binding.clumps.size_idx(op.kind).map_or(u32::MAX, |idx| idx as u32),
-        seed: op.seed,
-        strength: op.strength,
-        from: op.from,
-        ramp: op.ramp,
-        params,
-        pad: [0.0; 3],
-    }
+fn index_or_none(index: Option<usize>) -> u32 {
+    index.map_or(NONE, |index| index as u32)
 }

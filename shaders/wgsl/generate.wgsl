@@ -29,7 +29,14 @@ struct Params {
     lod_scale: f32,
     lod_end: f32,
     lod_fade: f32,
-    pad: u32,
+    // Index of the operator that irons the path; NONE where there is none.
+    smooth_op: u32,
+    // Which of a strand's clump middles its wisp is around; NONE where strands are on their own.
+    wisp_size: u32,
+    n_maps: u32,
+    // Which painted map says how long and how wide a strand is; NONE where none was painted.
+    length_map: u32,
+    width_map: u32,
 }
 
 struct Strand {
@@ -51,18 +58,25 @@ struct Influence {
 
 struct Op {
     kind: u32,
-    // Which of a strand's clump middles; NO_CLUMP is the strand itself.
+    // Which of a strand's clump middles; NONE is the strand itself.
     size_idx: u32,
     seed: u32,
+    // A blend, and PER_WISP.
+    flags: u32,
     strength: f32,
     at: f32,
     ramp: f32,
+    // Where its drawn curve begins in `curves`; NONE where the ramp counts.
+    table: u32,
     a: f32,
     b: f32,
     c: f32,
-    pad_0: f32,
-    pad_1: f32,
-    pad_2: f32,
+    d: f32,
+    e: f32,
+    f: f32,
+    // Painted maps that scale its strength; NONE.
+    map_0: u32,
+    map_1: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: Params;
@@ -74,15 +88,34 @@ struct Op {
 @group(0) @binding(6) var<storage, read> field: array<f32>;
 @group(0) @binding(7) var<storage, read_write> vertices: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read> knots: array<f32>;
+@group(0) @binding(9) var<storage, read> curves: array<f32>;
+@group(0) @binding(10) var<storage, read> map_values: array<f32>;
 
-const NO_CLUMP: u32 = 0xFFFFFFFFu;
+const NONE: u32 = 0xFFFFFFFFu;
 
+// Those up to WISP cut or pull a strand, those from WISP turn or displace it.
 const LENGTH: u32 = 0u;
 const CLUMP: u32 = 1u;
-const WAVE: u32 = 2u;
-const CURL: u32 = 3u;
-const FRIZZ: u32 = 4u;
-const DEVIATE: u32 = 5u;
+const WISP: u32 = 2u;
+const WAVE: u32 = 3u;
+const CURL: u32 = 4u;
+const FRIZZ: u32 = 5u;
+const DEVIATE: u32 = 6u;
+const SMOOTH: u32 = 7u;
+const BEND: u32 = 8u;
+const PART: u32 = 9u;
+
+// Flags of an operator.
+const BLEND: u32 = 3u;
+const ADD: u32 = 0u;
+const REPLACE: u32 = 1u;
+const MODULATE: u32 = 2u;
+const PER_WISP: u32 = 4u;
+
+// Samples of a drawn curve.
+const N_TABLE: u32 = 33u;
+const WISP_FEATURE: f32 = 3.0;
+const PART_EDGE: f32 = 0.1;
 
 const KEEP_OUT: f32 = 0.3;
 const GROW_OUT: f32 = 2.0;
@@ -100,11 +133,14 @@ const FOR_NOISE: u32 = 8u;
 const FOR_SHARE: u32 = 9u;
 const FOR_START: u32 = 10u;
 const FOR_KEEP_OUT: u32 = 11u;
+const FOR_FUZZ: u32 = 12u;
 
 // A path with its four control points around the present segment.
 struct Curve {
     first_influence: u32,
     n_influences: u32,
+    // How strongly it is ironed.
+    ironing: f32,
     // Root offset in world space.
     offset: vec3<f32>,
     p0: vec3<f32>,
@@ -117,16 +153,30 @@ struct Pull {
     strength: f32,
     at: f32,
     ramp: f32,
+    table: u32,
     flare: f32,
+    gather: f32,
     follow: f32,
+    // 1 where its middle was drawn by the clumps before, else 0.
+    nested: f32,
 }
 
 // A strand's own numbers in one operator.
 struct Shape {
     op: u32,
     seed: u32,
+    strength: f32,
+    at: f32,
     away: f32,
     numbers: vec4<f32>,
+}
+
+// The frame that a strand starts with, and its root; world space.
+struct RootFrame {
+    root: vec3<f32>,
+    outwards: vec3<f32>,
+    side: vec3<f32>,
+    up: vec3<f32>,
 }
 
 const MOST_DISPLACING_OPS: u32 = 12u;
@@ -149,9 +199,19 @@ fn smooth_step(low: f32, high: f32, at: f32) -> f32 {
     return x * x * (3.0 - 2.0 * x);
 }
 
-fn envelope(strength: f32, at: f32, ramp: f32, t: f32) -> f32 {
+fn table_at(table: u32, x: f32) -> f32 {
+    let at = clamp(x, 0.0, 1.0) * f32(N_TABLE - 1u);
+    let sample = min(u32(at), N_TABLE - 2u);
+    let low = curves[table + sample];
+    return low + (at - f32(sample)) * (curves[table + sample + 1u] - low);
+}
+
+fn envelope(strength: f32, at: f32, ramp: f32, table: u32, t: f32) -> f32 {
     if t < at {
         return 0.0;
+    }
+    if table != NONE {
+        return strength * table_at(table, (t - at) / max(1.0 - at, 1e-4));
     }
     if ramp <= 0.0 {
         return strength;
@@ -161,8 +221,11 @@ fn envelope(strength: f32, at: f32, ramp: f32, t: f32) -> f32 {
 }
 
 fn pull_at(pull: Pull, t: f32) -> f32 {
+    if pull.gather > 0.0 {
+        return pull.strength * smooth_step(0.0, pull.gather, t);
+    }
     let x = clamp((t - 0.6) / 0.4, 0.0, 1.0);
-    return envelope(pull.strength, pull.at, pull.ramp, t) * (1.0 - pull.flare * x * x);
+    return envelope(pull.strength, pull.at, pull.ramp, pull.table, t) * (1.0 - pull.flare * x * x);
 }
 
 fn purpose(name: u32, op_seed: u32) -> u32 {
@@ -170,18 +233,73 @@ fn purpose(name: u32, op_seed: u32) -> u32 {
 }
 
 fn middle_of(strand_idx: u32, size_idx: u32) -> u32 {
-    if size_idx == NO_CLUMP {
+    if size_idx == NONE {
         return strand_idx;
     }
     return middles[strand_idx * params.n_sizes + size_idx];
 }
 
-fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
+// A strand whose numbers count for an operator: before a wisp that is the wisp's middle.
+fn bearer_of(strand_idx: u32, flags: u32) -> u32 {
+    if (flags & PER_WISP) != 0u {
+        return middle_of(strand_idx, params.wisp_size);
+    }
+    return strand_idx;
+}
+
+// What a painted map says at a strand's root.
+fn map_value(strand_idx: u32, map_idx: u32) -> f32 {
+    if map_idx == NONE {
+        return 1.0;
+    }
+    return map_values[strand_idx * params.n_maps + map_idx];
+}
+
+// How strong an operator is on a strand: painted maps say where it acts.
+fn strength_of(strand_idx: u32, i: u32) -> f32 {
+    let share = min(map_value(strand_idx, ops[i].map_0), 1.0) * min(map_value(strand_idx, ops[i].map_1), 1.0);
+    return ops[i].strength * share;
+}
+
+fn blended(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     var p = vec3<f32>(0.0);
     let first = (*curve).first_influence;
     for (var k = first; k < first + (*curve).n_influences; k++) {
         let influence = influences[k];
         p += influence.weight * guides[influence.guide_idx * params.guide_vertices + i].xyz;
+    }
+    return p;
+}
+
+// A mean with falling weights over the neighbours; beyond its ends the chain is mirrored in them.
+fn ironed(curve: ptr<function, Curve>, i: u32, p: vec3<f32>) -> vec3<f32> {
+    let op = ops[params.smooth_op];
+    let last = params.guide_vertices - 1u;
+    let strength = clamp(envelope((*curve).ironing, op.at, op.ramp, op.table, f32(i) / f32(last)), 0.0, 1.0);
+    let reach = op.a * f32(last);
+    var sum = p;
+    var total = 1.0;
+    for (var k = 1u; k <= last && f32(k) < reach; k++) {
+        let weight = 1.0 - f32(k) / reach;
+        if k <= i {
+            sum += weight * blended(curve, i - k);
+        } else {
+            sum += weight * (2.0 * blended(curve, 0u) - blended(curve, k - i));
+        }
+        if i + k <= last {
+            sum += weight * blended(curve, i + k);
+        } else {
+            sum += weight * (2.0 * blended(curve, last) - blended(curve, 2u * last - i - k));
+        }
+        total += 2.0 * weight;
+    }
+    return p + strength * (sum / total - p);
+}
+
+fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
+    var p = blended(curve, i);
+    if params.smooth_op != NONE {
+        p = ironed(curve, i, p);
     }
     let x = f32(i) / f32(params.guide_vertices - 1u);
     let left = 1.0 - smooth_step(0.0, 1.0, x) * (1.0 - params.offset_at_tip);
@@ -192,6 +310,9 @@ fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
 fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
     (*curve).first_influence = strands[strand_idx].first_influence;
     (*curve).n_influences = strands[strand_idx].n_influences;
+    if params.smooth_op != NONE {
+        (*curve).ironing = strength_of(strand_idx, params.smooth_op);
+    }
     (*curve).offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
     (*curve).p1 = control(curve, 0u);
     (*curve).p2 = control(curve, 1u);
@@ -201,6 +322,15 @@ fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
     } else {
         (*curve).p3 = 2.0 * (*curve).p2 - (*curve).p1;
     }
+}
+
+// Where a strand grows, world space.
+fn root_of(strand_idx: u32) -> vec3<f32> {
+    var curve: Curve;
+    curve.first_influence = strands[strand_idx].first_influence;
+    curve.n_influences = strands[strand_idx].n_influences;
+    let offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
+    return move_point(params.world_from_guides, blended(&curve, 0u)) + offset;
 }
 
 // Go on to a segment, the next one.
@@ -264,11 +394,16 @@ fn noise(seed: u32, x: f32) -> f32 {
     return gradient_noise(seed, x) + 0.5 * gradient_noise(combine(seed, 2u), 2.0 * x + 0.37);
 }
 
-// The strand's own numbers in one operator that displaces it; false where it does not.
-fn shape_of(strand_idx: u32, seed: u32, i: u32, shape: ptr<function, Shape>) -> bool {
+// The strand's own numbers in one operator that turns or displaces it; false where it does not.
+fn shape_of(strand_idx: u32, i: u32, frame: RootFrame, shape: ptr<function, Shape>) -> bool {
     let op = ops[i];
-    let clump = strands[middle_of(strand_idx, op.size_idx)].seed;
+    let bearer = bearer_of(strand_idx, op.flags);
+    let seed = strands[bearer].seed;
+    let middle = middle_of(bearer, op.size_idx);
+    let clump = strands[middle].seed;
     (*shape).op = i;
+    (*shape).strength = strength_of(strand_idx, i);
+    (*shape).at = op.at;
     (*shape).away = 0.0;
     (*shape).seed = combine(clump, purpose(FOR_NOISE, op.seed));
     switch op.kind {
@@ -296,12 +431,46 @@ fn shape_of(strand_idx: u32, seed: u32, i: u32, shape: ptr<function, Shape>) -> 
             if random(seed, purpose(FOR_SHARE, op.seed)) >= op.a {
                 return false;
             }
-            let at = op.at + 0.7 * (1.0 - op.at) * random(seed, purpose(FOR_START, op.seed));
+            let late = 0.7 * (1.0 - op.d) * (1.0 - op.at);
+            (*shape).at = op.at + late * random(seed, purpose(FOR_START, op.seed));
             let size = op.b * (0.3 + 0.7 * random(seed, purpose(FOR_SIZE, op.seed)));
             let around = size * (1.0 - abs(op.c));
             let turns = random(seed, purpose(FOR_SIDE, op.seed));
             (*shape).away = size * op.c;
-            (*shape).numbers = vec4<f32>(at, 0.0, around * sin_turns(turns + 0.25), around * sin_turns(turns));
+            (*shape).numbers = vec4<f32>(0.0, 0.0, around * sin_turns(turns + 0.25), around * sin_turns(turns));
+            return true;
+        }
+        case WISP: {
+            let from_middle = frame.root - root_of(middle);
+            let x = dot(from_middle, frame.side);
+            let y = dot(from_middle, frame.up);
+            let apart = max(sqrt(x * x + y * y), 1e-6);
+            let far = random(seed, purpose(FOR_FUZZ, op.seed));
+            let size = op.a * sqrt(random(seed, purpose(FOR_SIZE, op.seed))) * (1.0 + 2.0 * op.c * far * far * far * far);
+            (*shape).seed = combine(seed, purpose(FOR_NOISE, op.seed));
+            (*shape).away = 0.7 + 0.6 * random(seed, purpose(FOR_PERIOD, op.seed));
+            (*shape).numbers = vec4<f32>(0.0, 0.0, size * x / apart, size * y / apart);
+            return true;
+        }
+        case SMOOTH: {
+            (*shape).numbers = vec4<f32>(0.0);
+            return true;
+        }
+        case BEND: {
+            let on_head = rotate(params.world_from_head, vec3<f32>(op.a, op.b, op.c));
+            let towards = normalize_or(on_head + op.d * (vec3<f32>(0.0, -1.0, 0.0) - on_head), on_head);
+            (*shape).strength *= 1.0 - op.e * random(clump, purpose(FOR_SIZE, op.seed));
+            (*shape).numbers = vec4<f32>(towards, 0.0);
+            return true;
+        }
+        case PART: {
+            let normal = vec3<f32>(op.a, op.b, op.c);
+            let distance = dot(move_point(params.head_from_world, frame.root), normal) - op.d;
+            let away_from_line = rotate(params.world_from_head, select(1.0, -1.0, distance < 0.0) * normal);
+            let along = away_from_line - dot(away_from_line, frame.outwards) * frame.outwards;
+            (*shape).strength *= smooth_step(0.0, PART_EDGE, abs(distance))
+                * (1.0 - smooth_step(0.0, 1.0, abs(distance) / max(op.e, 0.01)));
+            (*shape).numbers = vec4<f32>(normalize_or(along, away_from_line), 0.0);
             return true;
         }
         default: {
@@ -310,33 +479,74 @@ fn shape_of(strand_idx: u32, seed: u32, i: u32, shape: ptr<function, Shape>) -> 
     }
 }
 
-// Displacement across the strand (right, up) and away from the head (z), by one operator.
-fn displacement(shape: Shape, t: f32, arc_length: f32) -> vec3<f32> {
+// The displacement across the strand (right, up) and away from the head (z) so far, and one operator's.
+fn displaced(offset: vec3<f32>, shape: Shape, t: f32, arc_length: f32) -> vec3<f32> {
     let op = ops[shape.op];
+    if op.kind >= BEND {
+        return offset;
+    }
+    let weight = envelope(shape.strength, shape.at, op.ramp, op.table, t);
     let a = shape.numbers.x;
     let phase = shape.numbers.y;
+    var full = vec3<f32>(0.0);
+    var swing = 0.0;
     switch op.kind {
+        case SMOOTH: {
+            return (1.0 - clamp(weight, 0.0, 1.0)) * offset;
+        }
         case WAVE: {
-            let size = envelope(op.strength, op.at, op.ramp, t) * smooth_step(0.0, 0.5 * a, arc_length);
-            return size * sin_turns(phase + arc_length / a) * vec3<f32>(shape.numbers.zw, 0.0);
+            swing = smooth_step(0.0, 0.5 * a, arc_length) * sin_turns(phase + arc_length / a);
+            full = swing * vec3<f32>(shape.numbers.zw, 0.0);
         }
         case CURL: {
             let turns = phase + shape.numbers.z * arc_length / (a * (1.0 + 0.5 * op.c * t));
-            let size = shape.numbers.w
-                * (1.0 + op.c * t)
-                * envelope(op.strength, op.at, op.ramp, t)
-                * smooth_step(0.0, a, arc_length);
-            return size * vec3<f32>(sin_turns(turns + 0.25), sin_turns(turns), 0.0);
+            let grown = smooth_step(0.0, a, arc_length);
+            let size = shape.numbers.w * (1.0 + op.c * t) * grown;
+            let sine = sin_turns(turns);
+            full = size * vec3<f32>(sin_turns(turns + 0.25), sine, 0.0);
+            swing = grown * sine;
         }
         case FRIZZ: {
             let along = arc_length / a;
-            let size = shape.numbers.z * envelope(op.strength, op.at, op.ramp, t) * smooth_step(0.0, 1.0, along);
-            return size * vec3<f32>(noise(shape.seed, along), noise(combine(shape.seed, 1u), along), 0.0);
+            let grown = smooth_step(0.0, 1.0, along);
+            swing = grown * noise(shape.seed, along);
+            full = shape.numbers.z * vec3<f32>(swing, grown * noise(combine(shape.seed, 1u), along), 0.0);
+        }
+        case WISP: {
+            let along = arc_length / WISP_FEATURE;
+            let wander = op.c * op.a * vec2<f32>(noise(shape.seed, along), noise(combine(shape.seed, 1u), along));
+            let turns = shape.away * op.d * t;
+            let s = sin_turns(turns);
+            let c = sin_turns(turns + 0.25);
+            let place = shape.numbers.zw;
+            let about = vec2<f32>(c * place.x - s * place.y, s * place.x + c * place.y);
+            full = vec3<f32>(smooth_step(0.0, max(op.b, 1e-3), t) * (about + wander), 0.0);
         }
         default: {
-            return envelope(op.strength, a, op.ramp, t) * vec3<f32>(shape.numbers.zw, shape.away);
+            full = vec3<f32>(shape.numbers.zw, shape.away);
         }
     }
+    switch op.flags & BLEND {
+        case REPLACE: {
+            return offset + weight * (full - offset);
+        }
+        case MODULATE: {
+            return (1.0 + weight * swing) * offset;
+        }
+        default: {
+            return offset + weight * full;
+        }
+    }
+}
+
+// Turn a direction of the path as one bend or parting says.
+fn turned(along: vec3<f32>, shape: Shape, t: f32) -> vec3<f32> {
+    let op = ops[shape.op];
+    if op.kind < BEND {
+        return along;
+    }
+    let weight = clamp(envelope(shape.strength, shape.at, op.ramp, op.table, t), 0.0, 1.0);
+    return normalize_or(along + weight * (shape.numbers.xyz - along), along);
 }
 
 fn field_index(node: vec3<u32>) -> u32 {
@@ -389,6 +599,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
 
     // The strand's length and its pulls.
     var cut = 1.0;
+    let painted = min(map_value(strand_idx, params.length_map), 1.0);
     var n_pulls = 0u;
     var pull_0: Pull;
     var pull_1: Pull;
@@ -398,17 +609,28 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     var middle_2: Curve;
     for (var i = 0u; i < params.n_ops; i++) {
         let op = ops[i];
-        if op.kind > CLUMP {
+        if op.kind > WISP {
             continue;
         }
-        let middle = middle_of(strand_idx, op.size_idx);
+        let bearer = bearer_of(strand_idx, op.flags);
+        let middle = middle_of(bearer, op.size_idx);
+        let strength = strength_of(strand_idx, i);
         if op.kind == LENGTH {
-            cut *= 1.0 - op.strength * clamp(op.a, 0.0, 0.98) * random(strands[middle].seed, purpose(FOR_LENGTH, op.seed));
+            let kept = 1.0 - strength * clamp(op.a, 0.0, 0.98) * random(strands[middle].seed, purpose(FOR_LENGTH, op.seed));
+            cut = select(cut * kept, kept, (op.flags & BLEND) == REPLACE);
             continue;
         }
-        let stray = random(seed, purpose(FOR_STRAY, op.seed));
-        let loose = random(strands[middle].seed, purpose(FOR_LOOSE_CLUMP, op.seed));
-        let pull = Pull(op.strength * (1.0 - 0.5 * op.b * loose), op.at, op.ramp, op.a, 1.0 - op.b * stray * stray);
+        var pull: Pull;
+        if op.kind == WISP {
+            cut *= 1.0 - strength * clamp(op.e, 0.0, 0.98) * random(seed, purpose(FOR_LENGTH, op.seed));
+            pull = Pull(strength, 0.0, 0.0, NONE, 0.0, max(op.b, 1e-3), 1.0, 1.0);
+        } else {
+            let stray = random(strands[bearer].seed, purpose(FOR_STRAY, op.seed));
+            let loose = random(strands[middle].seed, purpose(FOR_LOOSE_CLUMP, op.seed));
+            let nested = select(1.0, 0.0, (op.flags & BLEND) == REPLACE);
+            let follow = 1.0 - op.b * stray * stray;
+            pull = Pull(strength * (1.0 - 0.5 * op.b * loose), op.at, op.ramp, op.table, op.a, 0.0, follow, nested);
+        }
         if n_pulls == 0u {
             pull_0 = pull;
             begin(&middle_0, middle);
@@ -421,30 +643,39 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         }
         n_pulls = min(n_pulls + 1u, 3u);
     }
+    cut *= painted;
     var own: Curve;
     begin(&own, strand_idx);
+    // The strands of a wisp share its frame.
+    let normal_in_head = strands[middle_of(strand_idx, params.wisp_size)].root_normal;
+    let outwards = rotate(params.world_from_head, normal_in_head);
+    var right = rotate(params.world_from_head, any_tangent(normal_in_head));
+    let frame = RootFrame(own.p1, outwards, right, cross(outwards, right));
     var shapes: array<Shape, MOST_DISPLACING_OPS>;
     var n_shapes = 0u;
+    var n_turns = 0u;
     for (var i = 0u; i < params.n_ops && n_shapes < MOST_DISPLACING_OPS; i++) {
         var shape: Shape;
-        if shape_of(strand_idx, seed, i, &shape) {
+        if shape_of(strand_idx, i, frame, &shape) {
             shapes[n_shapes] = shape;
             n_shapes++;
+            n_turns += select(0u, 1u, ops[i].kind >= BEND);
         }
     }
 
-    let outwards = rotate(params.world_from_head, strands[strand_idx].root_normal);
-    var right = rotate(params.world_from_head, any_tangent(strands[strand_idx].root_normal));
     var tangent = outwards;
     var before = vec3<f32>(0.0);
     var base = vec3<f32>(0.0);
+    // The path before it is turned.
+    var clumped = vec3<f32>(0.0);
     var arc_length = 0.0;
     var segment = 0u;
     let last = params.n_vertices - 1u;
     let n_segments = params.guide_vertices - 1u;
     let first_knot = strands[strand_idx].first_knot;
     let width = params.lod_scale * clamp((params.lod_end - f32(strand_idx)) / params.lod_fade, 0.0, 1.0);
-    let radius = params.radius * strands[strand_idx].radius_scale * width;
+    let radius =
+        params.radius * strands[strand_idx].radius_scale * width * map_value(strand_idx, params.width_map);
     let out_at = params.first_vertex + strand_idx * params.n_vertices;
 
     // Vertex v is finished when the path at v + 1 is known.
@@ -476,12 +707,12 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
                 if n_pulls > 1u {
                     var m_1 = path(&middle_1, w);
                     let s_1 = pull_at(pull_1, t);
-                    m_1 += s_0 * (m_0 - m_1);
+                    m_1 += pull_1.nested * s_0 * (m_0 - m_1);
                     after += s_1 * pull_1.follow * (m_1 - after);
                     if n_pulls > 2u {
                         var m_2 = path(&middle_2, w);
-                        m_2 += s_0 * (m_0 - m_2);
-                        m_2 += s_1 * (m_1 - m_2);
+                        m_2 += pull_2.nested * s_0 * (m_0 - m_2);
+                        m_2 += pull_2.nested * s_1 * (m_1 - m_2);
                         after += pull_at(pull_2, t) * pull_2.follow * (m_2 - after);
                     }
                 }
@@ -490,7 +721,18 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         if v == 0u {
             before = after;
             base = after;
+            clumped = after;
             continue;
+        }
+        if n_turns > 0u && v <= last {
+            let next = after;
+            let delta = next - clumped;
+            var along = normalize_or(delta, vec3<f32>(0.0));
+            for (var i = 0u; i < n_shapes; i++) {
+                along = turned(along, shapes[i], f32(v) / f32(last));
+            }
+            after = base + length(delta) * along;
+            clumped = next;
         }
         let vertex = v - 1u;
         arc_length += distance(base, before);
@@ -501,7 +743,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
         let t = f32(vertex) / f32(last);
         var offset = vec3<f32>(0.0);
         for (var i = 0u; i < n_shapes; i++) {
-            offset += displacement(shapes[i], t, arc_length);
+            offset = displaced(offset, shapes[i], t, arc_length);
         }
         var p = base + offset.x * right + offset.y * up + offset.z * outwards;
         if vertex > 0u {

@@ -1,8 +1,9 @@
 //! Strands from guides, on the CPU: the reference that `generate.wgsl` repeats with the same names.
 //!
-//! A strand is the Catmull-Rom curve through its blended guides, cut to its length, drawn into its
-//! clumps, displaced around its path by the other operators, kept out of the head, and given a width. All
-//! is evaluated directly: a strand reads the paths of its clumps' middle strands at its own parameter, so
+//! A strand is the Catmull-Rom curve through its blended guides, ironed, cut to its length, drawn into its
+//! clumps and wisps, turned by bends and partings, displaced around its path by the other operators, kept out
+//! of the head, and given a width. All is evaluated directly: a strand reads the paths of its clumps' middle
+//! strands at its own parameter, so
 //! no strand waits for another. One strand is one thread's work on the GPU, because the twist-free frame
 //! and the arc length are carried from vertex to vertex.
 
@@ -15,9 +16,11 @@ use crate::distance_field::DistanceField;
 use crate::groom::Layer;
 use crate::hash::random;
 use crate::strands::Strands;
-use crate::style::StyleOp;
-use style::{FOR_KEEP_OUT, displacement, smoothstep};
+use crate::style::StyleKind;
+use plan::Plan;
+use style::{FOR_KEEP_OUT, RootFrame, clumped, displacement, smoothstep, turned};
 
+pub mod plan;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -85,12 +88,14 @@ pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3],
     let n_vertices = layer.vertices_per_strand.clamp(4, 128) as usize;
     let lod = Lod::new(binding.n_strands(), pose.lod);
     let n_drawn = lod.n_drawn as usize;
-    let generator = Generator { binding, style: &layer.style, guide_positions, pose, n_vertices };
+    let plan = Plan::new(&layer.style, binding);
+    let generator = Generator { binding, plan: &plan, guide_positions, pose, n_vertices };
     let mut points = vec![Vec3::ZERO; n_drawn * n_vertices];
     points.par_chunks_exact_mut(n_vertices).enumerate().for_each(|(strand_idx, out)| generator.strand(strand_idx, out));
     let radii_um = (0..n_drawn)
         .flat_map(|strand_idx| {
             let scale = binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0) * lod.width(strand_idx);
+            let scale = scale * binding.map_value(strand_idx, plan.width_map, 1.0);
             (0..n_vertices)
                 .map(move |v| layer.radius_um * scale * taper(v as f32 / (n_vertices - 1) as f32, layer.tip_radius))
         })
@@ -111,31 +116,76 @@ pub fn taper(t: f32, tip_radius: f32) -> f32 {
     1.0 + x * (tip_radius - 1.0)
 }
 
+/// A strand's path before any clump: control points with the mirrored ends, world space.
+#[derive(Default)]
+struct StrandPath {
+    controls: Vec<Vec3>,
+}
+
+impl StrandPath {
+    /// Where the path is at the guides' parameter `u`, in segments.
+    fn at(&self, u: f32) -> Vec3 {
+        let n_segments = self.controls.len() - 3;
+        let segment = (u as usize).min(n_segments - 1);
+        let w = catmull_rom_weights(u - segment as f32);
+        let c = &self.controls[segment..segment + 4];
+        w[0] * c[0] + w[1] * c[1] + w[2] * c[2] + w[3] * c[3]
+    }
+}
+
 struct Generator<'a> {
     binding: &'a LayerBinding,
-    style: &'a [StyleOp],
+    plan: &'a Plan,
     guide_positions: &'a [Vec3],
     pose: &'a Pose<'a>,
     n_vertices: usize,
 }
 
 impl Generator<'_> {
-    /// Control point `i` of a strand, -1 and n_vertices being the mirrored ends. World space.
-    fn control(&self, strand_idx: usize, i: i32) -> Vec3 {
+    /// A strand's guides blended at control point `i`; `i` counts on beyond the ends, where the chain is mirrored in
+    /// its end point.
+    fn blended(&self, strand_idx: usize, i: i32) -> Vec3 {
         let last = self.binding.guides.n_vertices as i32 - 1;
         if i < 0 {
-            return 2.0 * self.control(strand_idx, 0) - self.control(strand_idx, 1);
+            return 2.0 * self.blended(strand_idx, 0) - self.blended(strand_idx, -i);
         }
         if i > last {
-            return 2.0 * self.control(strand_idx, last) - self.control(strand_idx, last - 1);
+            return 2.0 * self.blended(strand_idx, last) - self.blended(strand_idx, 2 * last - i);
         }
         let mut p = Vec3::ZERO;
         for influence in self.binding.influences(strand_idx) {
             let at = influence.guide_idx * self.binding.guides.n_vertices + i as u32;
             p += influence.weight * self.guide_positions[at as usize];
         }
+        p
+    }
+
+    /// Control point `i`, ironed where the style says so: a mean with falling weights over the neighbours. The ends
+    /// stay, because there the chain is mirrored.
+    fn ironed(&self, strand_idx: usize, i: i32) -> Vec3 {
+        let p = self.blended(strand_idx, i);
+        let Some(step) = self.plan.smooth.map(|step_idx| &self.plan.steps[step_idx]) else { return p };
+        let StyleKind::Smooth { reach } = step.kind else { return p };
+        let last = self.binding.guides.n_vertices as i32 - 1;
+        let strength = step.envelope(self.strength(strand_idx, step)).at(i as f32 / last as f32).clamp(0.0, 1.0);
+        let reach = reach * last as f32;
+        let (mut sum, mut total) = (p, 1.0);
+        let mut k = 1;
+        while k <= last && (k as f32) < reach {
+            let weight = 1.0 - k as f32 / reach;
+            sum += weight * (self.blended(strand_idx, i - k) + self.blended(strand_idx, i + k));
+            total += 2.0 * weight;
+            k += 1;
+        }
+        p + strength * (sum / total - p)
+    }
+
+    /// Control point `i` in world space, with what is left there of the root's offset.
+    fn control(&self, strand_idx: usize, i: i32) -> Vec3 {
+        let last = self.binding.guides.n_vertices as i32 - 1;
         let left = 1.0 - smoothstep(0.0, 1.0, i as f32 / last as f32) * (1.0 - self.binding.offset_at_tip);
-        p + left * self.pose.world_from_head.transform_vector3(self.binding.root_offsets[strand_idx])
+        let offset = self.pose.world_from_head.transform_vector3(self.binding.root_offsets[strand_idx]);
+        self.ironed(strand_idx, i) + left * offset
     }
 
     /// The guides' own parameter, in segments, at the share `t` of a strand's length: 0 root to 1 tip.
@@ -147,44 +197,61 @@ impl Generator<'_> {
         segment as f32 + ((t - below) / (above - below).max(1e-6)).clamp(0.0, 1.0)
     }
 
-    /// A strand's path before any style, at the guides' parameter `u`, in segments.
-    fn path(&self, strand_idx: usize, u: f32) -> Vec3 {
-        let n_segments = self.binding.guides.n_vertices as i32 - 1;
-        let segment = (u as i32).min(n_segments - 1);
-        let w = catmull_rom_weights(u - segment as f32);
-        w[0] * self.control(strand_idx, segment - 1)
-            + w[1] * self.control(strand_idx, segment)
-            + w[2] * self.control(strand_idx, segment + 1)
-            + w[3] * self.control(strand_idx, segment + 2)
+    fn path_of(&self, strand_idx: usize) -> StrandPath {
+        let n = self.binding.guides.n_vertices as i32;
+        let mut controls = Vec::with_capacity(n as usize + 2);
+        controls.push(Vec3::ZERO);
+        controls.extend((0..n).map(|i| self.control(strand_idx, i)));
+        let last = n as usize;
+        controls[0] = 2.0 * controls[1] - controls[2];
+        controls.push(2.0 * controls[last] - controls[last - 1]);
+        StrandPath { controls }
+    }
+
+    /// Where a strand grows, world space.
+    fn root_of(&self, strand_idx: usize) -> Vec3 {
+        self.control(strand_idx, 0)
     }
 
     fn strand(&self, strand_idx: usize, out: &mut [Vec3]) {
         let world_from_head = &self.pose.world_from_head;
         let seed = self.binding.seeds[strand_idx];
         let cut = self.cut(strand_idx);
-        let (pulls, n_pulls) = self.pulls(strand_idx);
-        let pulls = &pulls[..n_pulls];
+        let pulls = self.pulls(strand_idx);
+        let path = self.path_of(strand_idx);
         let last = self.n_vertices - 1;
-        let (shapes, n_shapes) = self.shapes(strand_idx);
-        let shapes = &shapes[..n_shapes];
-        let base_at = |v: usize| self.clumped(strand_idx, pulls, cut * v as f32 / last as f32);
-
-        let normal_in_head = self.binding.root_normals[strand_idx];
+        // The strands of a wisp share its frame, so that what acts on the wisp moves them alike.
+        let normal_in_head = self.binding.root_normals[self.wisp_middle(strand_idx)];
         let outwards = world_from_head.transform_vector3(normal_in_head);
         let side = world_from_head.transform_vector3(any_tangent(normal_in_head));
-        let (mut before, mut base) = (base_at(0), base_at(0));
+        let frame = RootFrame { outwards, side, up: outwards.cross(side) };
+        let shapes = self.shapes(strand_idx, path.at(0.0), &frame);
+        let turns = shapes.iter().any(|shape| shape.turns());
+        let clumped_at = |v: usize| {
+            let t = cut * v as f32 / last as f32;
+            // The middles are read where the strand is, by its own knots.
+            clumped(&path, &pulls, t, self.parameter(strand_idx, t))
+        };
+
+        let mut unturned = clumped_at(0);
+        let (mut before, mut base) = (unturned, unturned);
         let mut tangent = outwards;
         let mut right = side;
         let mut arc_length = 0.0;
         for v in 0..=last {
-            let after = if v < last { base_at(v + 1) } else { base };
+            let mut after = base;
+            if v < last {
+                let next = clumped_at(v + 1);
+                after = if turns { base + turned(&shapes, next - unturned, (v + 1) as f32 / last as f32) } else { next };
+                unturned = next;
+            }
             arc_length += base.distance(before);
             let new_tangent = (after - before).normalize_or(tangent);
             right = transport(right, tangent, new_tangent);
             tangent = new_tangent;
             let up = tangent.cross(right);
             let t = v as f32 / last as f32;
-            let offset = displacement(shapes, t, arc_length);
+            let offset = displacement(&shapes, t, arc_length);
             let p = base + offset.x * right + offset.y * up + offset.z * outwards;
             out[v] = if v == 0 { p } else { self.keep_out(p, arc_length, seed) };
             (before, base) = (base, after);

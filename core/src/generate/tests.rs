@@ -13,7 +13,7 @@ use crate::mean_value::mean_value_weights;
 use crate::mesh::TriMesh;
 use crate::mesh_query::tests::sphere;
 use crate::strands::polyline_length;
-use crate::style::{StyleKind, StyleOp};
+use crate::style::{Blend, Profile, StyleKind, StyleOp};
 
 fn layer(mesh: HairMesh, n_strands: u32) -> Layer {
     Layer { n_strands, vertices_per_strand: 24, ..Layer::new("test", Source::HairMesh(Arc::new(mesh))) }
@@ -141,12 +141,12 @@ fn every_style_kind_does_what_it_says() {
         for strand_idx in 0..2000 {
             let (a, b) = (plain.strand(strand_idx), strands.strand(strand_idx));
             assert!(a[0].distance(b[0]) < 1e-5, "{} moves the root", kind.label());
-            n_moved += usize::from(a[23].distance(b[23]) > 1e-3);
             let shift = a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            n_moved += usize::from(shift > 1e-3);
+            let (long_before, long) = (polyline_length(a), polyline_length(b));
             match kind {
                 StyleKind::Length { variation, .. } => {
-                    let ratio = polyline_length(b) / polyline_length(a);
-                    assert!((1.0 - variation - 0.05..=1.001).contains(&ratio), "{ratio}");
+                    assert!((1.0 - variation - 0.05..=1.001).contains(&(long / long_before)), "{long} {long_before}");
                 }
                 StyleKind::Clump { .. } => {
                     let middle = binding.clumps.middle(strand_idx, Some(0));
@@ -157,18 +157,145 @@ fn every_style_kind_does_what_it_says() {
                 StyleKind::Curl { radius, loosen, .. } => assert!(shift <= 1.21 * radius * (1.0 + loosen)),
                 StyleKind::Frizz { amplitude, .. } => assert!(shift <= 3.0 * amplitude),
                 StyleKind::Deviate { amplitude, .. } => assert!(shift <= 1.01 * amplitude),
+                StyleKind::Bend { .. } => {
+                    let falls = |points: &[Vec3]| (points[23] - points[22]).normalize().dot(Vec3::NEG_Y);
+                    assert!((long / long_before - 1.0).abs() < 1e-4 && falls(b) > falls(a) - 1e-3);
+                }
+                StyleKind::Smooth { .. } => {
+                    assert!(long < long_before + 1e-4 && a[23].distance(b[23]) < 1e-4, "ironed, ends where they were");
+                }
+                StyleKind::Part { .. } => {
+                    assert!((long / long_before - 1.0).abs() < 1e-4 && b[12].x >= a[12].x - 1e-3);
+                }
+                StyleKind::Wisp { radius, fuzz, .. } => {
+                    let middle = plain.strand(binding.clumps.middle(strand_idx, Some(0)));
+                    // Strands stand out by up to 2 fuzz of their place and wander by up to 3 fuzz of the radius.
+                    let most = radius * (1.0 + 5.0 * fuzz) + 0.1;
+                    for p in &b[8..] {
+                        let nearest = middle.iter().map(|q| q.distance(*p)).fold(f32::MAX, f32::min);
+                        assert!(nearest < most, "{nearest} > {most}");
+                    }
+                }
             }
         }
         let expected = match kind {
             StyleKind::Deviate { share, .. } => 2000.0 * share,
             // The middles stay where they are.
-            StyleKind::Length { .. }
-            | StyleKind::Clump { .. }
-            | StyleKind::Wave { .. }
+            StyleKind::Length { .. } | StyleKind::Clump { .. } => 1950.0,
+            StyleKind::Wave { .. }
             | StyleKind::Curl { .. }
-            | StyleKind::Frizz { .. } => 1950.0,
+            | StyleKind::Frizz { .. }
+            | StyleKind::Bend { .. }
+            | StyleKind::Smooth { .. }
+            | StyleKind::Part { .. }
+            | StyleKind::Wisp { .. } => 1990.0,
         };
         assert!((n_moved as f32 - expected).abs() < 4.0 * expected.sqrt(), "{}: {n_moved}", kind.label());
+    }
+}
+
+/// Strands of the bent grid under a stack.
+fn under(style: Vec<StyleOp>) -> (LayerBinding, Strands) {
+    make(&Layer { style, ..layer(bent_grid(), 2000) }, &Pose::default())
+}
+
+fn farthest(a: &Strands, b: &Strands) -> f32 {
+    a.points.iter().zip(&b.points).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+#[test]
+fn replace_forgets_what_was_before_and_modulate_adds_nothing_itself() {
+    let op = |kind: StyleKind, blend: Blend| StyleOp { blend, ramp: 0.0, ..StyleOp::new(kind) };
+    let wave = StyleKind::Wave { amplitude: 0.5, wavelength: 3.0, strands_per_clump: 1.0 };
+    let frizz = StyleKind::Frizz { amplitude: 0.3, wavelength: 2.0, strands_per_clump: 1.0 };
+    let (_, plain) = under(Vec::new());
+    let (_, wave_alone) = under(vec![op(wave, Blend::Add)]);
+    let (_, frizz_alone) = under(vec![op(frizz, Blend::Add)]);
+    let (_, replaced) = under(vec![op(frizz, Blend::Add), op(wave, Blend::Replace)]);
+    assert!(farthest(&replaced, &wave_alone) < 1e-5 && farthest(&replaced, &frizz_alone) > 0.1);
+    let (_, added) = under(vec![op(frizz, Blend::Add), op(wave, Blend::Add)]);
+    for ((p, sum), (a, b)) in
+        plain.points.iter().zip(&added.points).zip(wave_alone.points.iter().zip(&frizz_alone.points))
+    {
+        assert!((*sum - *p).distance(*a + *b - 2.0 * *p) < 1e-4, "displacements add up");
+    }
+    assert!(farthest(&under(vec![op(wave, Blend::Modulate)]).1, &plain) == 0.0);
+    let (_, modulated) = under(vec![op(frizz, Blend::Add), op(wave, Blend::Modulate)]);
+    assert!(farthest(&modulated, &frizz_alone) > 0.05);
+    // A bend cannot modulate: that counts as adding.
+    let bend =
+        StyleKind::Bend { heading_deg: 0.0, elevation_deg: 0.0, gravity: 0.0, variation: 0.0, strands_per_clump: 1.0 };
+    assert!(under(vec![op(bend, Blend::Modulate)]).1 == under(vec![op(bend, Blend::Add)]).1);
+    // A cut or a clump that replaces forgets the cuts or clumps before it.
+    let cut = |variation: f32| StyleKind::Length { variation, strands_per_clump: 1.0 };
+    let other = StyleOp { seed: 5, ..op(cut(0.2), Blend::Replace) };
+    assert!(under(vec![op(cut(0.9), Blend::Add), other.clone()]).1 == under(vec![other]).1);
+    let clump = |strands_per_clump: f32| StyleKind::Clump { strands_per_clump, flare: 0.0, stray: 0.0 };
+    let forgets = |blend: Blend| under(vec![op(clump(400.0), Blend::Add), op(clump(20.0), blend)]).1;
+    let alone = under(vec![op(clump(20.0), Blend::Add)]).1;
+    assert!(farthest(&forgets(Blend::Replace), &alone) < 1e-4 && farthest(&forgets(Blend::Add), &alone) > 0.1);
+}
+
+#[test]
+fn a_drawn_curve_says_where_an_operator_acts() {
+    let wave = StyleOp::new(StyleKind::Wave { amplitude: 0.5, wavelength: 3.0, strands_per_clump: 1.0 });
+    let curve = Profile::of(&[[0.0, 0.0], [0.45, 0.0], [0.5, 1.0], [0.6, 0.0], [1.0, 0.0]]);
+    let (_, plain) = under(Vec::new());
+    let (_, drawn) = under(vec![StyleOp { curve, ..wave }]);
+    let moved = |v: usize| (0..2000).any(|s| drawn.strand(s)[v].distance(plain.strand(s)[v]) > 1e-3);
+    assert!((0..10).chain(15..24).all(|v| !moved(v)) && (11..14).all(moved));
+}
+
+#[test]
+fn operators_before_a_wisp_act_on_whole_wisps() {
+    let wisp = StyleOp::new(StyleKind::Wisp {
+        strands_per_clump: 50.0,
+        radius: 0.3,
+        gather: 0.2,
+        fuzz: 0.0,
+        twist: 0.0,
+        length_variation: 0.0,
+    });
+    let wave = StyleOp {
+        ramp: 0.0,
+        ..StyleOp::new(StyleKind::Wave { amplitude: 0.8, wavelength: 4.0, strands_per_clump: 1.0 })
+    };
+    let (binding, alone) = under(vec![wisp.clone()]);
+    let (_, before) = under(vec![wave.clone(), wisp.clone()]);
+    let (_, after) = under(vec![wisp, wave]);
+    let spread = |styled: &Strands| -> f32 {
+        let apart = (50..2000).map(|s| {
+            let middle = binding.clumps.middle(s, Some(0));
+            let moved = |s: usize| styled.strand(s)[16] - alone.strand(s)[16];
+            moved(s).distance(moved(middle))
+        });
+        apart.sum::<f32>() / 1950.0
+    };
+    assert!(spread(&before) < 0.1 && spread(&after) > 0.4, "{} {}", spread(&before), spread(&after));
+    // Roots stay on the scalp, and every strand of a wisp lies within its radius of it.
+    let (_, plain) = under(Vec::new());
+    for s in 0..2000 {
+        assert!(alone.strand(s)[0].distance(plain.strand(s)[0]) < 1e-5);
+        let middle = alone.strand(binding.clumps.middle(s, Some(0)));
+        assert!(alone.strand(s)[16].distance(middle[16]) < 0.3 + 1e-3);
+    }
+}
+
+#[test]
+fn a_parting_divides_hair_that_lies_across_it() {
+    // All strands lean to +x; the line runs through the middle of the grid.
+    let part = StyleOp::new(StyleKind::Part { offset: 1.5, turn_deg: 0.0, width: 6.0 });
+    let (binding, plain) = under(Vec::new());
+    let (_, parted) = under(vec![part]);
+    for s in 0..2000 {
+        let side = binding.roots[s].x - 1.5;
+        let pushed = parted.strand(s)[10].x - plain.strand(s)[10].x;
+        if side.abs() > 0.1 {
+            assert!(pushed * side >= -1e-4, "{side} {pushed}");
+        }
+        if (-1.0..-0.1).contains(&side) {
+            assert!(pushed < -0.3, "{pushed}");
+        }
     }
 }
 

@@ -116,7 +116,7 @@ impl Studio {
                 op(StyleKind::Length { variation: 0.7, strands_per_clump: 1.0 }),
                 op(StyleKind::Clump { strands_per_clump: 12.0, flare: 0.2, stray: 0.6 }),
                 op(StyleKind::Frizz { amplitude: 0.16, wavelength: 1.6, strands_per_clump: 1.0 }),
-                op(StyleKind::Deviate { share: 0.3, amplitude: 0.35, lift: 0.1 }),
+                op(StyleKind::Deviate { share: 0.3, amplitude: 0.35, lift: 0.1, whole: 0.0 }),
             ],
             ..main.clone()
         })
@@ -173,7 +173,7 @@ fn fly_aways(studio: &Studio, main: &Layer, amplitude: f32, extra: Vec<StyleOp>)
     let mut style = vec![
         op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
         op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),
-        StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.5 }) },
+        StyleOp { ramp: 1.3, ..op(StyleKind::Deviate { share: 1.0, amplitude, lift: 0.5, whole: 0.0 }) },
     ];
     style.extend(extra);
     Layer {

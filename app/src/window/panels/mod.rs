@@ -1,5 +1,6 @@
 //! The panels around the viewport, one a file.
 
+mod curve_editor;
 pub mod history;
 pub mod lights;
 pub mod look;
@@ -8,6 +9,7 @@ pub mod properties;
 pub mod read_as;
 pub mod simulation;
 pub mod statistics;
+pub mod style;
 pub mod widgets;
 
 #[cfg(test)]

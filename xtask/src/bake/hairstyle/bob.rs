@@ -80,7 +80,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             StyleOp { ramp: 0.6, ..op(StyleKind::Wave { amplitude: 0.16, wavelength: 3.8, strands_per_clump: 40.0 }) },
             StyleOp { ramp: 0.5, ..op(StyleKind::Frizz { amplitude: 0.16, wavelength: 3.4, strands_per_clump: 40.0 }) },
             StyleOp { ramp: 0.4, ..op(StyleKind::Frizz { amplitude: 0.08, wavelength: 2.2, strands_per_clump: 1.0 }) },
-            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.2 }),
+            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.2, whole: 0.0 }),
         ],
         material: HairMaterial {
             eumelanin: 0.4,

@@ -67,7 +67,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             },
             op(StyleKind::Frizz { amplitude: 0.5, wavelength: 5.0, strands_per_clump: 44.0 }),
             StyleOp { ramp: 0.5, ..op(StyleKind::Frizz { amplitude: 0.05, wavelength: 1.3, strands_per_clump: 1.0 }) },
-            op(StyleKind::Deviate { share: 0.04, amplitude: 0.7, lift: 0.3 }),
+            op(StyleKind::Deviate { share: 0.04, amplitude: 0.7, lift: 0.3, whole: 0.0 }),
         ],
         material: HairMaterial {
             eumelanin: 1.7,

@@ -82,7 +82,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
                 ..op(StyleKind::Frizz { amplitude: 0.17, wavelength: 4.0, strands_per_clump: 40.0 })
             },
             StyleOp { ramp: 0.4, ..op(StyleKind::Frizz { amplitude: 0.07, wavelength: 2.4, strands_per_clump: 1.0 }) },
-            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.1 }),
+            op(StyleKind::Deviate { share: 0.06, amplitude: 0.8, lift: 0.1, whole: 0.0 }),
         ],
         material: HairMaterial {
             eumelanin: 0.8,
