@@ -44,7 +44,6 @@ mod tests {
     use lorelei_core::generate::{Pose, generate};
     use lorelei_core::groom::{Layer, Source};
     use lorelei_core::mesh::SCALP_GROUP;
-    use lorelei_core::style::StyleKind;
 
     use super::*;
 
@@ -54,14 +53,7 @@ mod tests {
             let mut layer = layer.clone();
             layer.n_strands = (layer.n_strands as f32 * share) as u32;
             for op in &mut layer.style {
-                match &mut op.kind {
-                    StyleKind::Length { strands_per_clump, .. }
-                    | StyleKind::Clump { strands_per_clump, .. }
-                    | StyleKind::Wave { strands_per_clump, .. }
-                    | StyleKind::Curl { strands_per_clump, .. }
-                    | StyleKind::Frizz { strands_per_clump, .. } => *strands_per_clump *= share,
-                    StyleKind::Deviate { .. } => {}
-                }
+                op.kind.scale_clumps(share);
             }
             layer
         };

@@ -19,6 +19,7 @@ pub mod hair_mesh;
 pub mod hash;
 pub mod history;
 pub mod io;
+pub mod layers;
 pub mod light;
 pub mod look;
 pub mod maps;

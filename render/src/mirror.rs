@@ -280,11 +280,9 @@ impl Mirror {
     /// Bytes of all buffers of strands, guides and weights.
     pub fn n_bytes(&self) -> u64 {
         let of_layer = |mirror: &LayerMirror| {
-            {
-                let of_roots = [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences];
-                let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values];
-                of_roots.into_iter().chain(of_style).map(|buffer| buffer.size()).sum::<u64>()
-            }
+            let of_roots = [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences];
+            let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values];
+            of_roots.into_iter().chain(of_style).map(|buffer| buffer.size()).sum::<u64>()
         };
         self.layers.iter().map(of_layer).sum::<u64>()
             + self.buffers.vertices.size()

@@ -41,6 +41,11 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
         let key = set::style_key(kind);
         print_line(&format!("{key}  {}: every such operator of every layer", kind.help()))?;
         print_line(&format!("   {key}=on\n   {key}=off"))?;
+        for word in set::style_words(kind) {
+            let names: Vec<String> = word.names.iter().map(|(name, ..)| name.clone()).collect();
+            let also = if word.also.is_empty() { String::new() } else { format!(", or {}", word.also) };
+            print_line(&format!("   {key}.{}=  ({}{also})  {}", word.word, names.join(", "), word.help))?;
+        }
         print_line(&params_text(&set::style_params(&mut StyleOp::new(kind))))?;
     }
     Ok(())
@@ -63,6 +68,17 @@ fn layers_json() -> Vec<Value> {
         all.push(json!({
             "slot": set::style_key(kind), "label": kind.label(), "help": kind.help(), "default": "on",
             "choices": [on, off],
+        }));
+        all.extend(set::style_words(kind).into_iter().map(|word| {
+            let choices: Vec<Value> = word
+                .names
+                .iter()
+                .map(|(name, label, help)| json!({ "name": name, "label": label, "help": help, "parameters": [] }))
+                .collect();
+            json!({
+                "slot": format!("{}.{}", set::style_key(kind), word.word), "label": format!("{}: {}", kind.label(), word.word),
+                "help": word.help, "default": set::style_word_of(&op, word.word), "choices": choices,
+            })
         }));
     }
     all
@@ -143,6 +159,14 @@ mod tests {
             let name = slot["slot"].as_str().unwrap();
             assert!(keys.insert(name.to_owned()), "{name}");
             let mut of_slot = std::collections::HashSet::new();
+            let names: Vec<&str> =
+                slot["choices"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
+            assert!(names.contains(&slot["default"].as_str().unwrap()), "{name}");
+            if name != "layer" {
+                for choice in &names {
+                    set::apply(&mut Groom::default(), &[(name.to_owned(), (*choice).to_owned())]).unwrap();
+                }
+            }
             for choice in slot["choices"].as_array().unwrap() {
                 for param in choice["parameters"].as_array().unwrap() {
                     let key = param["key"].as_str().unwrap();

@@ -4,9 +4,10 @@
 use std::sync::Arc;
 
 use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
-use lorelei_core::look::{Param, SetError, Slot, set};
+use lorelei_core::look::{Choice, Param, SetError, Slot, set};
+use lorelei_core::maps::MapKind;
 use lorelei_core::strands::Strands;
-use lorelei_core::style::{StyleKind, StyleOp};
+use lorelei_core::style::{Profile, SHAPES, StyleKind, StyleOp};
 
 use super::CliError;
 
@@ -73,7 +74,99 @@ pub fn style_params(op: &mut StyleOp) -> Vec<Param<'_>> {
     params
 }
 
-/// `style.KIND.KEY`: a number of every operator of that kind in every layer; `style.KIND=on` or `=off`.
+/// What of an operator is no number: the word after `style.KIND`, the values that it takes by name, what else it
+/// takes, and what it is for.
+pub struct StyleWord {
+    pub word: &'static str,
+    /// (name, label, help).
+    pub names: Vec<(String, String, String)>,
+    pub also: &'static str,
+    pub help: &'static str,
+}
+
+/// The words of operators of a kind.
+pub fn style_words(kind: StyleKind) -> [StyleWord; 4] {
+    let name = |name: &str, label: &str, help: &str| (name.to_owned(), label.to_owned(), help.to_owned());
+    let blends = kind.blends().iter().map(|blend| blend.info());
+    let kinds = [MapKind::Density, MapKind::Length, MapKind::Clump, MapKind::Curl];
+    let maps = kinds.iter().map(|map| (map.to_string(), map.label(), map.help().to_owned()));
+    [
+        StyleWord {
+            word: "solo",
+            names: vec![name("off", "Off", "Acts while none is solo"), name("on", "On", "Only solo operators act")],
+            also: "",
+            help: "While any operator is solo, only those act",
+        },
+        StyleWord {
+            word: "blend",
+            names: blends.map(|info| name(info.name, info.label, info.help)).collect(),
+            also: "",
+            help: "How it joins the operators before it",
+        },
+        StyleWord {
+            word: "map",
+            names: std::iter::once(name("none", "Everywhere", "No map")).chain(maps).collect(),
+            also: "mask:NAME",
+            help: "A painted map that says what share of its strength there is",
+        },
+        StyleWord {
+            word: "curve",
+            names: SHAPES.iter().map(|shape| name(shape.name, shape.label, shape.help)).collect(),
+            also: "2-8 points from root to tip as PLACE/STRENGTH: 0/0.5,0.4/1,1/0",
+            help: "Its strength from root to tip, in place of the ramp",
+        },
+    ]
+}
+
+/// What an operator has for a word.
+pub fn style_word_of(op: &StyleOp, word: &str) -> String {
+    match word {
+        "solo" => if op.solo { "on" } else { "off" }.to_owned(),
+        "blend" => op.blend().info().name.to_owned(),
+        "map" => op.map.as_ref().map_or("none".to_owned(), ToString::to_string),
+        _ => match op.curve.shape() {
+            Some(shape) => shape.name.to_owned(),
+            None => op.curve.points().iter().map(|[x, y]| format!("{x}/{y}")).collect::<Vec<_>>().join(","),
+        },
+    }
+}
+
+/// Set a word of an operator; `None` where there is no such word, false where it does not take the value.
+fn set_style_word(op: &mut StyleOp, word: &str, value: &str) -> Option<bool> {
+    let taken = match word {
+        "solo" => ["on", "off"].contains(&value).then(|| op.solo = value == "on"),
+        "blend" => {
+            let blend = op.kind.blends().iter().find(|blend| blend.info().name == value);
+            blend.map(|blend| op.blend = *blend)
+        }
+        "map" if value == "none" => {
+            op.map = None;
+            Some(())
+        }
+        "map" => value.parse().ok().map(|kind| op.map = Some(kind)),
+        "curve" => parse_curve(value).map(|curve| op.curve = curve),
+        _ => return None,
+    };
+    Some(taken.is_some())
+}
+
+fn parse_curve(text: &str) -> Option<Profile> {
+    if let Some(shape) = SHAPES.iter().find(|shape| shape.name == text) {
+        return Some(Profile::of(shape.points));
+    }
+    let point = |text: &str| {
+        let (x, y) = text.split_once('/')?;
+        Some([x.trim().parse().ok()?, y.trim().parse().ok()?])
+    };
+    let points: Vec<[f32; 2]> = text.split(',').map(point).collect::<Option<_>>()?;
+    let is_within = points.iter().flatten().all(|v| (0.0..=1.0).contains(v));
+    let n_points = points.len();
+    let curve = Profile::from(points);
+    (is_within && curve.points().len() == n_points).then_some(curve)
+}
+
+/// `style.KIND.KEY`: a number, or one of [`style_words`], of every operator of that kind in every layer;
+/// `style.KIND=on` or `=off`.
 fn set_style(groom: &mut Groom, key: &str, value: &str) -> Result<(), SetError> {
     let kind = StyleKind::DEFAULTS.into_iter().find(|kind| {
         let name = style_key(*kind);
@@ -97,8 +190,27 @@ fn set_style(groom: &mut Groom, key: &str, value: &str) -> Result<(), SetError> 
         alike.for_each(|op| op.on = on);
         return Ok(());
     }
+    let word = key.rsplit('.').next().unwrap_or_default();
+    if let Some(is_taken) = set_style_word(&mut StyleOp::new(kind), word, value) {
+        if !is_taken {
+            let takes = style_words(kind).into_iter().filter(|known| known.word == word).flat_map(|known| {
+                let also = (!known.also.is_empty()).then(|| known.also.to_owned());
+                known.names.into_iter().map(|(name, ..)| name).chain(also)
+            });
+            let takes = takes.collect::<Vec<_>>().join(", ");
+            return Err(SetError::BadValue { key: key.to_owned(), value: value.to_owned(), takes });
+        }
+        alike.for_each(|op| {
+            set_style_word(op, word, value);
+        });
+        return Ok(());
+    }
     set_param(style_params(&mut StyleOp::new(kind)), key, value)?;
     for op in alike {
+        if word == "ramp" {
+            // A drawn curve would count instead.
+            op.curve = Profile::default();
+        }
         set_param(style_params(op), key, value)?;
     }
     Ok(())
@@ -112,6 +224,8 @@ fn set_param(mut params: Vec<Param<'_>>, key: &str, value: &str) -> Result<(), S
 
 #[cfg(test)]
 mod tests {
+    use lorelei_core::style::Blend;
+
     use super::*;
 
     #[test]
@@ -140,6 +254,36 @@ mod tests {
             let assignment = parse_assignment(bad).unwrap();
             assert!(matches!(apply(&mut groom, &[assignment]), Err(CliError::Usage(_))), "{bad}");
         }
+    }
+
+    #[test]
+    fn solo_blend_map_and_curve_of_operators_are_set_by_words() {
+        let mut layer = sample_layer();
+        layer.style = StyleKind::DEFAULTS.map(StyleOp::new).to_vec();
+        let mut groom = Groom { layers: vec![layer], ..Groom::default() };
+        let set = |groom: &mut Groom, text: &str| apply(groom, &[parse_assignment(text).unwrap()]);
+        for text in [
+            "style.wave.solo=on",
+            "style.wave.blend=modulate",
+            "style.wave.map=mask:fringe",
+            "style.wave.curve=0/0.5,0.4/1,1/0",
+            "style.part.ramp=2",
+        ] {
+            set(&mut groom, text).unwrap();
+        }
+        let of = |groom: &Groom, label: &str| {
+            groom.layers[0].style.iter().find(|op| op.kind.label() == label).cloned().unwrap()
+        };
+        let wave = of(&groom, "Wave");
+        assert!(wave.solo && wave.blend == Blend::Modulate && wave.map == Some(MapKind::Mask("fringe".to_owned())));
+        assert_eq!(wave.curve, Profile::of(&[[0.0, 0.5], [0.4, 1.0], [1.0, 0.0]]));
+        assert!(of(&groom, "Part").curve.is_empty(), "a ramp counts once it is set");
+        for bad in ["style.bend.blend=modulate", "style.wave.curve=0/2,1/1", "style.wave.curve=1", "style.wave.map=x"] {
+            assert!(matches!(set(&mut groom, bad), Err(CliError::Usage(_))), "{bad}");
+        }
+        set(&mut groom, "style.wave.curve=none").unwrap();
+        set(&mut groom, "style.wave.map=none").unwrap();
+        assert!(of(&groom, "Wave").curve.is_empty() && of(&groom, "Wave").map.is_none());
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use glam::Vec3;
 use lorelei_core::camera::Camera;
+use lorelei_core::groom::Layer;
 use lorelei_core::history::Merge;
 use lorelei_core::record::Macro;
 
@@ -105,6 +106,14 @@ impl Desk {
     pub fn measure(&mut self) {
         self.bounds = crate::stage::bounds_of(&self.document.groom);
         self.neck = crate::stage::neck_of(&self.document.groom);
+    }
+
+    /// The layer that is selected.
+    pub fn selected_layer(&self) -> Option<&Layer> {
+        match self.selection {
+            Selection::Layer(layer_idx) => self.document.groom.layers.get(layer_idx),
+            Selection::Head | Selection::Light(_) => None,
+        }
     }
 
     pub fn clamp_selection(&mut self) {

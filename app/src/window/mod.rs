@@ -26,7 +26,7 @@ mod viewport;
 use std::path::Path;
 
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::Groom;
+use lorelei_core::groom::{Groom, Source};
 use lorelei_core::history::Merge;
 use lorelei_core::motion::HeadPose;
 use lorelei_core::script::Step;
@@ -603,6 +603,12 @@ impl Studio {
             Purpose::Export => {
                 self.jobs.start(ctx, format!("Exporting {name}"), move |watch| jobs::export(&groom, &path, watch));
             }
+            Purpose::LoadStyle | Purpose::SaveStyle => {
+                let done = panels::style::file(&mut self.desk, purpose == Purpose::SaveStyle, &path);
+                if let Err(why) = done {
+                    self.desk.notices.error(format!("{name} was not used as a style"), why.to_string());
+                }
+            }
             Purpose::SavePicture => {
                 self.picture_path = Some(path);
                 self.n_pictures += 1;
@@ -760,6 +766,12 @@ impl Studio {
             }
             Command::ClearHistory => document.history.labels().len() > 0,
             Command::RecordMacro | Command::PlayMacro => !document.is_none(),
+            Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
+            // Imported strands are as many as they are.
+            Command::AddFlyAways | Command::AddFrizz => {
+                let layer = self.desk.selected_layer();
+                layer.is_some_and(|layer| !matches!(layer.source, Source::Strands(_)))
+            }
             Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
             _ => true,
         }

@@ -27,6 +27,8 @@ impl Studio {
             Command::ImportHead => self.choose(ctx, Purpose::ImportHead),
             Command::Export => self.choose(ctx, Purpose::Export),
             Command::SavePicture => self.choose(ctx, Purpose::SavePicture),
+            Command::LoadStyle => self.choose(ctx, Purpose::LoadStyle),
+            Command::SaveStyle => self.choose(ctx, Purpose::SaveStyle),
             Command::Quit => self.ask_or_go_on(ctx, Next::Close),
             Command::Undo => {
                 self.desk.document.undo();
@@ -67,7 +69,11 @@ impl Studio {
             Command::MotionNod => self.motion(Motion::Nod),
             Command::MotionShake => self.motion(Motion::Shake),
             Command::ToggleShadows => self.toggle_shadows(),
-            Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
+            Command::ToggleLayer
+            | Command::DuplicateLayer
+            | Command::RemoveLayer
+            | Command::AddFlyAways
+            | Command::AddFrizz => {
                 panels::properties::layer_command(&mut self.desk, command);
                 self.desk.measure();
             }

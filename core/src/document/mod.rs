@@ -83,7 +83,8 @@ fn read<R: Read + Seek>(reader: R, path: &Path, watch: Watch<'_>) -> Result<Groo
     let mut archive = ZipArchive::new(reader).map_err(|error| DocumentError::archive(path, error))?;
     let text = arrays::read_text(&mut archive, path, MANIFEST, MAX_MANIFEST_BYTES)?;
     let manifest = Manifest::parse(&text, path)?;
-    let groom = arrays::join(&mut archive, path, manifest, watch)?;
+    let mut groom = arrays::join(&mut archive, path, manifest, watch)?;
+    groom.share_equal_sources();
     check::check(&groom).map_err(|problem| DocumentError::Corrupt {
         path: path.to_owned(),
         part: "its contents".to_owned(),

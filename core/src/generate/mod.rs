@@ -18,7 +18,7 @@ use crate::hash::random;
 use crate::strands::Strands;
 use crate::style::StyleKind;
 use plan::Plan;
-use style::{FOR_KEEP_OUT, RootFrame, clumped, displacement, smoothstep, turned};
+use style::{FOR_KEEP_OUT, RootFrame, Shape, clumped, displacement, smoothstep, turned};
 
 pub mod plan;
 mod style;
@@ -226,7 +226,7 @@ impl Generator<'_> {
         let side = world_from_head.transform_vector3(any_tangent(normal_in_head));
         let frame = RootFrame { outwards, side, up: outwards.cross(side) };
         let shapes = self.shapes(strand_idx, path.at(0.0), &frame);
-        let turns = shapes.iter().any(|shape| shape.turns());
+        let turns = shapes.iter().any(Shape::turns);
         let clumped_at = |v: usize| {
             let t = cut * v as f32 / last as f32;
             // The middles are read where the strand is, by its own knots.
@@ -242,7 +242,8 @@ impl Generator<'_> {
             let mut after = base;
             if v < last {
                 let next = clumped_at(v + 1);
-                after = if turns { base + turned(&shapes, next - unturned, (v + 1) as f32 / last as f32) } else { next };
+                after =
+                    if turns { base + turned(&shapes, next - unturned, (v + 1) as f32 / last as f32) } else { next };
                 unturned = next;
             }
             arc_length += base.distance(before);

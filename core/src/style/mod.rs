@@ -20,7 +20,7 @@ pub mod presets;
 mod profile;
 
 pub use kind::{Blend, StyleKind, direction};
-pub use profile::{MOST_POINTS, N_TABLE, Profile, table_at};
+pub use profile::{MOST_POINTS, N_TABLE, Profile, SHAPES, Shape, table_at};
 
 /// One operator of the stack.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,10 +67,8 @@ impl StyleOp {
             | StyleKind::Wisp { .. } => 0.0,
         };
         let curve = match kind {
-            // Away from the line at the root, then on beside the others.
-            StyleKind::Part { .. } => Profile::of(&[[0.0, 1.0], [0.12, 0.8], [0.5, 0.0], [1.0, 0.0]]),
-            // A wisp is widest in the middle and ends in a point.
-            StyleKind::Wisp { .. } => Profile::of(&[[0.0, 0.6], [0.45, 1.0], [1.0, 0.15]]),
+            StyleKind::Part { .. } => Profile::of(profile::ROOT),
+            StyleKind::Wisp { .. } => Profile::of(profile::POINTED),
             StyleKind::Length { .. }
             | StyleKind::Clump { .. }
             | StyleKind::Wave { .. }

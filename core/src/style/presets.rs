@@ -41,7 +41,9 @@ fn default_strands() -> u32 {
 pub enum PresetError {
     #[error("{path}: {why}. Check that the file exists and may be read.")]
     Read { path: String, why: std::io::Error },
-    #[error("{path} is {n_bytes} bytes long, and a style is no longer than {MAX_FILE_BYTES}: is it another sort of file?")]
+    #[error(
+        "{path} is {n_bytes} bytes long, and a style is no longer than {MAX_FILE_BYTES}: is it another sort of file?"
+    )]
     TooLarge { path: String, n_bytes: u64 },
     #[error("{path} is no style: {why}. A style is RON, as `Save style` writes it.")]
     NotAStyle { path: String, why: String },
@@ -54,7 +56,9 @@ impl Preset {
     pub fn for_strands(&self, n_strands: u32) -> Vec<StyleOp> {
         let share = n_strands.max(1) as f32 / self.n_strands.max(1) as f32;
         let mut stack = self.stack.clone();
-        stack.iter_mut().for_each(|op| op.kind.scale_clumps(share));
+        for op in &mut stack {
+            op.kind.scale_clumps(share);
+        }
         stack
     }
 
@@ -171,7 +175,10 @@ pub fn named_ops() -> Vec<(&'static str, StyleOp)> {
         ("A few strands stand away from the head", fly_aways(0.02, 2.0)),
         ("Hair hangs more steeply", named("Hang", StyleOp { strength: 0.5, ..op(gravity) })),
         ("Hair is swept to the back", named("Sweep back", StyleOp { strength: 0.4, ..op(swept) })),
-        ("A parting to the model's left", named("Side part", op(StyleKind::Part { offset: 3.0, turn_deg: 0.0, width: 4.0 }))),
+        (
+            "A parting to the model's left",
+            named("Side part", op(StyleKind::Part { offset: 3.0, turn_deg: 0.0, width: 4.0 })),
+        ),
         ("Large locks, to put before finer clumps", named("Locks", clump(600.0, 0.25, 0.5, 0.7))),
         ("Whole locks wander", named("Unruly", frizz(0.4, 7.0, 200.0))),
     ]

@@ -15,6 +15,38 @@ pub const N_TABLE: usize = 33;
 /// Points stay this far from each other along the strand.
 pub const LEAST_GAP: f32 = 0.01;
 
+/// A profile with a name.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    /// What `--set` takes.
+    pub name: &'static str,
+    pub label: &'static str,
+    pub help: &'static str,
+    /// Empty: no curve, the ramp counts.
+    pub points: &'static [[f32; 2]],
+}
+
+const fn shape(name: &'static str, label: &'static str, help: &'static str, points: &'static [[f32; 2]]) -> Shape {
+    Shape { name, label, help, points }
+}
+
+/// Profiles to begin with.
+pub const SHAPES: &[Shape] = &[
+    shape("none", "Ramp", "No curve: as the number \u{201c}Ramp\u{201d} says", &[]),
+    shape("even", "Even", "The same from root to tip", &[[0.0, 1.0], [1.0, 1.0]]),
+    shape("rising", "Rising", "From nothing at the root to all at the tip", &[[0.0, 0.0], [1.0, 1.0]]),
+    shape("falling", "Falling", "From all at the root to nothing at the tip", &[[0.0, 1.0], [1.0, 0.0]]),
+    shape("middle", "Middle", "Nothing at root and tip", &[[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]),
+    shape("ends", "Root and tip", "Nothing in the middle", &[[0.0, 1.0], [0.5, 0.0], [1.0, 1.0]]),
+    shape("tip", "Tip", "Only the last third", &[[0.0, 0.0], [0.6, 0.0], [1.0, 1.0]]),
+    shape("late", "Late", "From the middle on in full", &[[0.0, 0.0], [0.35, 0.0], [0.55, 1.0], [1.0, 1.0]]),
+    shape("root", "Root", "Away at the root, then on beside the others", ROOT),
+    shape("pointed", "Pointed", "Widest in the middle, and ending in a point", POINTED),
+];
+
+pub(super) const ROOT: &[[f32; 2]] = &[[0.0, 1.0], [0.12, 0.8], [0.5, 0.0], [1.0, 0.0]];
+pub(super) const POINTED: &[[f32; 2]] = &[[0.0, 0.6], [0.45, 1.0], [1.0, 0.15]];
+
 /// A drawn profile; empty where none was drawn.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(from = "Vec<[f32; 2]>", into = "Vec<[f32; 2]>")]
@@ -58,6 +90,11 @@ impl Profile {
         let xs: &[f32] = if ramp <= 0.0 || ramp == 1.0 { &[0.0, 1.0] } else { &[0.0, 0.25, 0.5, 0.75, 1.0] };
         let y = |x: f32| if ramp <= 0.0 { 1.0 } else { x.powf(ramp) };
         xs.iter().map(|&x| [x, y(x)]).collect::<Vec<_>>().into()
+    }
+
+    /// Its name, where it is one of [`SHAPES`].
+    pub fn shape(&self) -> Option<&'static Shape> {
+        SHAPES.iter().find(|shape| shape.points == self.points)
     }
 
     pub fn is_empty(&self) -> bool {

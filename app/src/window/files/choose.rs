@@ -17,6 +17,8 @@ pub enum Purpose {
     SavePicture,
     SaveMacro,
     PlayMacro,
+    LoadStyle,
+    SaveStyle,
 }
 
 /// What a person answered.
@@ -37,6 +39,8 @@ impl Purpose {
             Self::SavePicture => "Save picture",
             Self::SaveMacro => "Save the macro",
             Self::PlayMacro => "Play a macro",
+            Self::LoadStyle => "Load style",
+            Self::SaveStyle => "Save style",
         }
     }
 
@@ -49,13 +53,13 @@ impl Purpose {
             Self::ImportHead => MESH_EXTENSIONS.to_vec(),
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
             Self::SavePicture => vec!["png"],
-            Self::SaveMacro | Self::PlayMacro => vec!["ron"],
+            Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle => vec!["ron"],
         };
         all.into_iter().map(str::to_owned).collect()
     }
 
     pub fn is_save(self) -> bool {
-        matches!(self, Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro)
+        matches!(self, Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro | Self::SaveStyle)
     }
 
     /// The path with an extension that fits the purpose.

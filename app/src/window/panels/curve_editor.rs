@@ -4,7 +4,7 @@
 //! so that nothing jumps. Double-clicking adds a point or removes the one under the pointer.
 
 use egui::{Align2, Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
-use lorelei_core::style::{Envelope, MOST_POINTS, Profile, StyleOp};
+use lorelei_core::style::{Envelope, MOST_POINTS, Profile, SHAPES, StyleOp};
 
 use super::widgets::{self, Change};
 use crate::window::state_report::mark;
@@ -15,35 +15,21 @@ const HEIGHT: f32 = 92.0;
 /// A point is taken hold of from this far.
 const REACH: f32 = 9.0;
 
-/// Curves by name: (name, what it does, points; none is the ramp).
-const SHAPES: &[(&str, &str, &[[f32; 2]])] = &[
-    ("Ramp", "As the number \u{201c}Ramp\u{201d} says", &[]),
-    ("Even", "The same from root to tip", &[[0.0, 1.0], [1.0, 1.0]]),
-    ("Rising", "From nothing at the root to all at the tip", &[[0.0, 0.0], [1.0, 1.0]]),
-    ("Falling", "From all at the root to nothing at the tip", &[[0.0, 1.0], [1.0, 0.0]]),
-    ("Middle", "Nothing at root and tip", &[[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]),
-    ("Root and tip", "Nothing in the middle", &[[0.0, 1.0], [0.5, 0.0], [1.0, 1.0]]),
-    ("Tip", "Only the last third", &[[0.0, 0.0], [0.6, 0.0], [1.0, 1.0]]),
-    ("Late", "From the middle on in full", &[[0.0, 0.0], [0.35, 0.0], [0.55, 1.0], [1.0, 1.0]]),
-];
-
 /// The curve of `op`; `usual` is what it is reset to.
 pub fn ui(ui: &mut Ui, op: &mut StyleOp, usual: &StyleOp) -> Option<Change> {
     let help = "How strong it is from root (left) to tip (right)";
     let is_changed = op.curve != usual.curve;
     let mut chosen = None;
     let (is_reset, ()) = widgets::form_row(ui, "Curve", help, is_changed, |ui| {
-        let name = shape_name(&op.curve);
-        let combo = egui::ComboBox::from_id_salt("curve").width(ui.available_width()).selected_text(name).show_ui(
-            ui,
-            |ui| {
-                for (name, help, points) in SHAPES {
-                    if ui.selectable_label(shape_name(&op.curve) == *name, *name).on_hover_text(*help).clicked() {
-                        chosen = Some(Profile::of(points));
-                    }
+        let combo = egui::ComboBox::from_id_salt("curve").width(ui.available_width());
+        let combo = combo.selected_text(shape_name(&op.curve)).show_ui(ui, |ui| {
+            for shape in SHAPES {
+                let is_it = op.curve.shape().is_some_and(|of| of.name == shape.name);
+                if ui.selectable_label(is_it, shape.label).on_hover_text(shape.help).clicked() {
+                    chosen = Some(Profile::of(shape.points));
                 }
-            },
-        );
+            }
+        });
         mark(ui.ctx(), || "style shape".to_owned(), combo.response.rect);
         combo.response.on_hover_text("Curves to begin with");
     });
@@ -57,8 +43,7 @@ pub fn ui(ui: &mut Ui, op: &mut StyleOp, usual: &StyleOp) -> Option<Change> {
 }
 
 fn shape_name(curve: &Profile) -> &'static str {
-    let alike = SHAPES.iter().find(|(_, _, points)| curve.points() == *points);
-    alike.map_or("Own", |(name, ..)| name)
+    curve.shape().map_or("Own", |shape| shape.label)
 }
 
 /// Where strength `y` at `x` of the operator's part of the strand is on screen.
@@ -120,7 +105,9 @@ fn drawing(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
         }
     }
     ui.data_mut(|data| match held {
-        Some(point_idx) => data.insert_temp(held_id, point_idx),
+        Some(point_idx) => {
+            data.insert_temp(held_id, point_idx);
+        }
         None => {
             data.remove::<usize>(held_id);
         }

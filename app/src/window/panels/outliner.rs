@@ -127,7 +127,9 @@ fn layer_row(ui: &mut Ui, desk: &mut Desk, layer_idx: usize, action: &mut Option
         if ui.button("Rename").clicked() {
             desk.renaming = Some((selection, name.clone()));
         }
-        for command in [Command::DuplicateLayer, Command::RemoveLayer, Command::Export] {
+        for command in
+            [Command::DuplicateLayer, Command::AddFlyAways, Command::AddFrizz, Command::RemoveLayer, Command::Export]
+        {
             if ui.button(command.row().label).clicked() {
                 *action = Some(Action::Ask(command));
             }

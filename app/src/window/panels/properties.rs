@@ -4,8 +4,8 @@ use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Groom, HairMaterial, Head, Layer, Source};
 use lorelei_core::history::Merge;
+use lorelei_core::layers::Companion;
 use lorelei_core::look::ParamValue;
-use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::widgets::{self, Change, section, thousands};
 use crate::window::commands::Command;
@@ -93,7 +93,7 @@ fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
         layer_change = widgets::param(ui, &mut param, default).or(layer_change);
     }
     section(ui, "Style");
-    let style_change = style_stack(ui, &mut layer.style);
+    let style_change = super::style::ui(ui, &mut layer, &mut desk.asked);
     let document = &mut desk.document;
     super::read_as::ui(ui, document, layer.read_as);
     if let Some(change) = material_change {
@@ -143,71 +143,6 @@ fn presets(ui: &mut Ui, material: &mut HairMaterial) -> Option<Change> {
     change
 }
 
-fn style_stack(ui: &mut Ui, style: &mut Vec<StyleOp>) -> Option<Change> {
-    let mut change = None;
-    let mut removed = None;
-    let mut swapped = None;
-    let n_ops = style.len();
-    for (op_idx, op) in style.iter_mut().enumerate() {
-        let id = ui.make_persistent_id(("style", op_idx));
-        let state = egui::collapsing_header::CollapsingState::load_with_default_open(ui.ctx(), id, false);
-        let (arrow, ..) = state
-            .show_header(ui, |ui| {
-                if widgets::switch(ui, &mut op.on).on_hover_text(op.kind.help()).changed() {
-                    let label = format!("{} {}", op.kind.label(), if op.on { "on" } else { "off" });
-                    change = Some(Change::once(label));
-                }
-                ui.label(op.kind.label()).on_hover_text(op.kind.help());
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    if ui.small_button("\u{d7}").on_hover_text("Remove").clicked() {
-                        removed = Some(op_idx);
-                    }
-                    if ui
-                        .add_enabled(op_idx + 1 < n_ops, egui::Button::new("Down").small())
-                        .on_hover_text("Apply it later")
-                        .clicked()
-                    {
-                        swapped = Some((op_idx, op_idx + 1));
-                    }
-                    if ui
-                        .add_enabled(op_idx > 0, egui::Button::new("Up").small())
-                        .on_hover_text("Apply it earlier")
-                        .clicked()
-                    {
-                        swapped = Some((op_idx, op_idx - 1));
-                    }
-                });
-            })
-            .body(|ui| {
-                let mut default = StyleOp::new(op.kind);
-                let defaults: Vec<String> = default.params().iter().map(|param| param.value.to_text()).collect();
-                for (param, default) in op.params().iter_mut().zip(&defaults) {
-                    change = widgets::param(ui, param, Some(default)).or(change.take());
-                }
-            });
-        arrow.on_hover_text("Show its numbers");
-    }
-    if let Some((a, b)) = swapped {
-        style.swap(a, b);
-        change = Some(Change::once("Reorder style"));
-    }
-    if let Some(op_idx) = removed {
-        let op = style.remove(op_idx);
-        change = Some(Change::once(format!("Remove {}", op.kind.label().to_lowercase())));
-    }
-    ui.menu_button("Add an operator", |ui| {
-        for kind in StyleKind::DEFAULTS {
-            if ui.button(kind.label()).on_hover_text(kind.help()).clicked() {
-                style.push(StyleOp::new(kind));
-                change = Some(Change::once(format!("Add {}", kind.label().to_lowercase())));
-            }
-        }
-    })
-    .response
-    .on_hover_text("Something more that happens to the strands, after what is there");
-    change
-}
-
 /// Add, copy or remove layers as the commands ask.
 pub fn layer_command(desk: &mut Desk, command: Command) {
     let Selection::Layer(layer_idx) = desk.selection else { return };
@@ -224,6 +159,14 @@ pub fn layer_command(desk: &mut Desk, command: Command) {
             copy.name = format!("{} copy", layer.name);
             let edit = Edit::AddLayer { layer_idx: layer_idx + 1, layer: Box::new(copy) };
             desk.document.edit("Duplicate layer", edit, Merge::New);
+            desk.selection = Selection::Layer(layer_idx + 1);
+        }
+        Command::AddFlyAways | Command::AddFrizz => {
+            let sort = if command == Command::AddFrizz { Companion::Frizz } else { Companion::FlyAways };
+            let added = sort.beside(layer);
+            let label = format!("Add {}", added.name.to_lowercase());
+            let edit = Edit::AddLayer { layer_idx: layer_idx + 1, layer: Box::new(added) };
+            desk.document.edit(&label, edit, Merge::New);
             desk.selection = Selection::Layer(layer_idx + 1);
         }
         Command::RemoveLayer => {

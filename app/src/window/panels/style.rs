@@ -4,14 +4,22 @@
 //! The panel changes a copy of the stack and says what changed; `properties.rs` turns that into one edit. A drag
 //! of a number or of a curve's point is one step of the history.
 
+use std::path::Path;
+
 use egui::{Align, DragAndDrop, Layout, RichText, Sense, Ui, vec2};
+use lorelei_core::edit::Edit;
+use lorelei_core::groom::Layer;
+use lorelei_core::history::Merge;
 use lorelei_core::look::{Choice, ParamValue};
-use lorelei_core::style::presets::{named_ops, presets};
+use lorelei_core::maps::{MapKind, Maps};
+use lorelei_core::style::presets::{Preset, PresetError, STRANDS, named_ops, presets};
 use lorelei_core::style::{StyleKind, StyleOp, acting, left_out};
 
 use super::curve_editor;
 use super::widgets::{self, Change};
 use crate::window::commands::Command;
+use crate::window::desk::{Desk, Selection};
+use crate::window::notices::Severity;
 use crate::window::state_report::mark;
 use crate::window::theme;
 
@@ -26,8 +34,10 @@ enum Action {
     Move { from: usize, to: usize },
 }
 
-/// The stack of a layer of `n_strands`. Returns what changed in `stack`; `asked` gets commands that need a file.
-pub fn ui(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32, asked: &mut Vec<Command>) -> Option<Change> {
+/// The stack of a layer. Returns what changed in it; `asked` gets commands that need a file.
+pub fn ui(ui: &mut Ui, layer: &mut Layer, asked: &mut Vec<Command>) -> Option<Change> {
+    let (n_strands, maps) = (layer.n_strands, &layer.maps);
+    let stack = &mut layer.style;
     let mut change = None;
     ui.horizontal(|ui| {
         change = add_menu(ui, stack, n_strands).or(change.take());
@@ -45,7 +55,7 @@ pub fn ui(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32, asked: &mut Vec
     let mut action = None;
     let mut rows = Vec::with_capacity(stack.len());
     for (op_idx, op) in stack.iter_mut().enumerate() {
-        let rect = operator(ui, op_idx, op, acts[op_idx], &mut change, &mut action);
+        let rect = operator(ui, op_idx, op, maps, acts[op_idx], &mut change, &mut action);
         rows.push(rect);
     }
     action = dragged(ui, &rows).or(action);
@@ -80,6 +90,7 @@ fn operator(
     ui: &mut Ui,
     op_idx: usize,
     op: &mut StyleOp,
+    maps: &Maps,
     acts: bool,
     change: &mut Option<Change>,
     action: &mut Option<Action>,
@@ -119,7 +130,7 @@ fn operator(
         });
     });
     state.show_body_indented(&header.response, ui, |ui| {
-        if let Some(new) = body(ui, op) {
+        if let Some(new) = body(ui, op, maps) {
             *change = Some(new);
         }
     });
@@ -182,7 +193,8 @@ fn dragged(ui: &Ui, rows: &[egui::Rect]) -> Option<Action> {
     (is_near && to != from).then_some(Action::Move { from, to })
 }
 
-fn body(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
+/// The numbers of one operator.
+pub(super) fn body(ui: &mut Ui, op: &mut StyleOp, maps: &Maps) -> Option<Change> {
     let usual = StyleOp::new(op.kind);
     let mut change = name_row(ui, op);
     let mut default = usual.clone();
@@ -196,6 +208,7 @@ fn body(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
         change = widgets::param(ui, param, Some(default)).or(change.take());
     }
     change = curve_editor::ui(ui, op, &usual).or(change);
+    change = map_row(ui, op, maps).or(change);
     change = blend_row(ui, op).or(change);
     seed_row(ui, op).or(change)
 }
@@ -205,7 +218,7 @@ fn name_row(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
     let help = "What the operator is called here; empty: what it does";
     let is_named = !op.name.is_empty();
     let (is_reset, typed) = widgets::form_row(ui, "Name", help, is_named, |ui| {
-        let id = ui.id().with("name");
+        let id = ui.make_persistent_id("name");
         let mut text = ui.data(|data| data.get_temp::<String>(id)).unwrap_or_else(|| op.name.clone());
         let width = ui.available_width();
         let edit = egui::TextEdit::singleline(&mut text).hint_text(op.kind.label()).desired_width(width);
@@ -254,6 +267,35 @@ fn blend_row(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
     (chosen != before).then(|| Change::once(format!("{}: {}", op.label(), chosen.info().label.to_lowercase())))
 }
 
+/// The painted map that says where the operator acts.
+fn map_row(ui: &mut Ui, op: &mut StyleOp, maps: &Maps) -> Option<Change> {
+    let help = "A painted map that says where on the scalp it acts, and how strongly";
+    let before = op.map.clone();
+    // What is painted already, and what can be painted for it.
+    let mut kinds: Vec<MapKind> = maps.keys().filter(|kind| matches!(kind, MapKind::Mask(_))).cloned().collect();
+    kinds.extend([MapKind::Density, MapKind::Length, MapKind::Clump, MapKind::Curl]);
+    kinds.extend(before.iter().filter(|kind| !kinds.contains(kind)).cloned().collect::<Vec<_>>());
+    let name = |map: &Option<MapKind>| map.as_ref().map_or("Everywhere".to_owned(), MapKind::label);
+    let (is_reset, ()) = widgets::form_row(ui, "Map", help, before.is_some(), |ui| {
+        let combo = egui::ComboBox::from_id_salt("map").width(ui.available_width()).selected_text(name(&before));
+        let combo = combo.truncate().show_ui(ui, |ui| {
+            ui.selectable_value(&mut op.map, None, name(&None)).on_hover_text("No map: alike on the whole scalp");
+            for kind in kinds {
+                let text =
+                    if maps.contains_key(&kind) { kind.label() } else { format!("{} (not painted)", kind.label()) };
+                let help = kind.help();
+                ui.selectable_value(&mut op.map, Some(kind), text).on_hover_text(help);
+            }
+        });
+        mark(ui.ctx(), || "style map".to_owned(), combo.response.rect);
+        combo.response.on_hover_text(help);
+    });
+    if is_reset {
+        op.map = None;
+    }
+    (op.map != before).then(|| Change::once(format!("{}: {}", op.label(), name(&op.map).to_lowercase())))
+}
+
 /// The seed, and a dice that throws it anew.
 fn seed_row(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
     let help = "Another seed, another throw of the dice: the same style, other strands";
@@ -290,7 +332,7 @@ fn add_menu(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32) -> Option<Cha
         ui.separator();
         for (help, mut op) in named_ops() {
             if ui.button(op.label()).on_hover_text(help).clicked() {
-                op.kind.scale_clumps(n_strands as f32 / lorelei_core::style::presets::STRANDS as f32);
+                op.kind.scale_clumps(n_strands as f32 / STRANDS as f32);
                 added = Some(op);
             }
         }
@@ -303,12 +345,7 @@ fn add_menu(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32) -> Option<Cha
     Some(change)
 }
 
-fn preset_menu(
-    ui: &mut Ui,
-    stack: &mut Vec<StyleOp>,
-    n_strands: u32,
-    asked: &mut Vec<Command>,
-) -> Option<Change> {
+fn preset_menu(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32, asked: &mut Vec<Command>) -> Option<Change> {
     let mut change = None;
     let menu = ui.menu_button("Presets", |ui| {
         for preset in presets() {
@@ -334,4 +371,21 @@ fn preset_menu(
     mark(ui.ctx(), || "style presets".to_owned(), menu.response.rect);
     menu.response.on_hover_text("Whole stacks by name, the studio's and your own");
     change
+}
+
+/// Write the selected layer's style to a file, or put a file's on it.
+pub fn file(desk: &mut Desk, is_save: bool, path: &Path) -> Result<(), PresetError> {
+    let Selection::Layer(layer_idx) = desk.selection else { return Ok(()) };
+    let Some(layer) = desk.selected_layer() else { return Ok(()) };
+    if is_save {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let (n_strands, stack) = (layer.n_strands, layer.style.clone());
+        Preset { name, help: String::new(), n_strands, stack }.save(path)?;
+        desk.notices.push(Severity::Info, "Style saved", path.display().to_string());
+        return Ok(());
+    }
+    let preset = Preset::open(path)?;
+    let style = preset.for_strands(layer.n_strands);
+    desk.document.edit(&format!("Style: {}", preset.name), Edit::SetStyle { layer_idx, style }, Merge::New);
+    Ok(())
 }

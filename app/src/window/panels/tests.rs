@@ -2,7 +2,10 @@
 
 use egui::{Event, Order, Pos2, RawInput, Rect, Sense, Ui, pos2, vec2};
 
-use super::{history, lights, look, outliner, properties, simulation, statistics};
+use lorelei_core::maps::Maps;
+use lorelei_core::style::{StyleKind, StyleOp};
+
+use super::{history, lights, look, outliner, properties, simulation, statistics, style};
 use crate::window::desk::{Desk, Selection};
 use crate::window::document::Document;
 
@@ -78,6 +81,17 @@ fn every_control_of_every_panel_has_a_tooltip() {
     silent.extend(without_tooltip("lights", |ui| lights::ui(ui, &mut desk)));
     silent.extend(without_tooltip("movement", |ui| simulation::ui(ui, &mut desk)));
     silent.extend(without_tooltip("history", |ui| history::ui(ui, &mut desk)));
+    assert_eq!(silent, Vec::<String>::new());
+}
+
+#[test]
+fn every_control_of_every_operator_has_a_tooltip() {
+    let mut ops = StyleKind::DEFAULTS.map(StyleOp::new);
+    let silent = without_tooltip("operators", |ui| {
+        for (op_idx, op) in ops.iter_mut().enumerate() {
+            ui.push_id(op_idx, |ui| style::body(ui, op, &Maps::new()));
+        }
+    });
     assert_eq!(silent, Vec::<String>::new());
 }
 
