@@ -282,7 +282,7 @@ impl Mirror {
         let of_layer = |mirror: &LayerMirror| {
             let of_roots = [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences];
             let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values];
-            of_roots.into_iter().chain(of_style).map(|buffer| buffer.size()).sum::<u64>()
+            of_roots.into_iter().chain(of_style).map(wgpu::Buffer::size).sum::<u64>()
         };
         self.layers.iter().map(of_layer).sum::<u64>()
             + self.buffers.vertices.size()

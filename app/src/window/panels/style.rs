@@ -148,7 +148,9 @@ fn solo_banner(ui: &mut Ui, stack: &mut [StyleOp]) -> Option<Change> {
         ui.label(RichText::new(text).color(theme::ACCENT).small());
         let end = ui.small_button("End solo").on_hover_text("All operators that are on act again");
         end.clicked().then(|| {
-            stack.iter_mut().for_each(|op| op.solo = false);
+            for op in stack.iter_mut() {
+                op.solo = false;
+            }
             Change::once("End solo")
         })
     })
