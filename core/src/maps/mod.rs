@@ -4,8 +4,11 @@
 //! loaded for it, by [`MapKind`]; a kind that is not there is everywhere at its default. Eight bits a texel:
 //! what is painted by hand is no finer, and a stroke then changes a quarter of the memory that floats would.
 
+pub mod atlas;
 mod pack;
+pub mod paint;
 mod tiles;
+pub mod uvs;
 
 use std::collections::BTreeMap;
 use std::fmt;
