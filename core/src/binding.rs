@@ -4,23 +4,25 @@
 //! (`generate/`, `generate.wgsl`) reads both. Strands are in their order of detail: the first n strands
 //! of a layer are a good n strands.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::clumps::{BundleReach, Clumps, Path};
-use crate::groom::{Head, Layer, Source};
+use crate::groom::{Head, Layer, Source, StrandCount};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
 use crate::hash::combine;
 use crate::io::Watch;
+use crate::maps::uvs::{scalp_triangles, scalp_uvs};
 use crate::maps::{MapKind, ScalpMap};
 use crate::mean_value::mean_value_weights;
-use crate::mesh::{SCALP_GROUP, TriMesh};
+use crate::mesh::TriMesh;
 use crate::mesh_query::MeshQuery;
 use crate::point_grid::PointGrid;
-use crate::roots::{Root, RootSurface, select};
+use crate::roots::{Root, RootSurface, key, select};
 use crate::strands::Strands;
 use crate::style::StyleOp;
 
@@ -47,7 +49,7 @@ pub struct LayerBinding {
     pub roots: Vec<Vec3>,
     /// Unit vectors out of the scalp.
     pub root_normals: Vec<Vec3>,
-    /// Texture coordinates on the scalp; empty where the head has none.
+    /// Texture coordinates on the scalp ([`scalp_uvs`]); empty where there is no head.
     pub root_uvs: Vec<[f32; 2]>,
     /// From where the guides put the root to where it is: chords of a hair mesh's faces lie under the
     /// scalp, guides beside their strands.
@@ -61,6 +63,8 @@ pub struct LayerBinding {
     /// What each of `maps` says at the strand's root, in its own measure ([`MapKind::max_value`]): strand `s` has
     /// `map_values[s * maps.len()..]`.
     pub map_values: Vec<f32>,
+    /// Where strands may stand, for another density; `None` where they stand where they were imported.
+    places: Option<Arc<Places>>,
     pub clumps: Clumps,
 }
 
@@ -73,6 +77,8 @@ pub const MOST_STRANDS: u32 = 4_000_000;
 const MOST_PLACES_A_STRAND: usize = 100;
 /// Most of them in all, where there are more than strands.
 const MOST_PLACES: usize = 3_000_000;
+/// Strands that tell what share of them a density leaves.
+const N_COUNTED: u32 = 4000;
 /// Guides whose paths differ by more than this (cosine) are on two sides of a parting.
 const PARTED: f32 = 0.3;
 
@@ -84,6 +90,18 @@ pub fn bind_layer(layer: &Layer, head: Option<&Head>) -> LayerBinding {
 
 /// As [`bind_layer`]; `None` where it was cancelled. A cancel counts between two steps of the work.
 pub fn bind_layer_watched(layer: &Layer, head: Option<&Head>, watch: Watch<'_>) -> Option<LayerBinding> {
+    rebind_layer(layer, head, None, watch)
+}
+
+/// As [`bind_layer_watched`], where a layer with the same source, seed and head was bound before: painting
+/// density or asking for other counts then only chooses among places that are known.
+pub fn rebind_layer(
+    layer: &Layer,
+    head: Option<&Head>,
+    known: Option<&LayerBinding>,
+    watch: Watch<'_>,
+) -> Option<LayerBinding> {
+    let known = known.and_then(|known| known.places.clone());
     let done = |share: f32| {
         watch.progress(share);
         (!watch.cancelled()).then_some(())
@@ -92,8 +110,8 @@ pub fn bind_layer_watched(layer: &Layer, head: Option<&Head>, watch: Watch<'_>) 
     let scalp = head.and_then(|head| Scalp::new(&head.mesh));
     done(0.05)?;
     let mut binding = match &layer.source {
-        Source::HairMesh(mesh) => bind_hair_mesh(layer, mesh, scalp.as_ref()),
-        Source::Guides(guides) => bind_guides(layer, guides, scalp.as_ref()),
+        Source::HairMesh(mesh) => bind_hair_mesh(layer, mesh, scalp.as_ref(), known),
+        Source::Guides(guides) => bind_guides(layer, guides, scalp.as_ref(), known),
         Source::Strands(strands) => bind_strands(layer, strands, scalp.as_ref()),
     };
     done(0.6)?;
@@ -101,6 +119,18 @@ pub fn bind_layer_watched(layer: &Layer, head: Option<&Head>, watch: Watch<'_>) 
     binding.restyle(&layer.style);
     done(1.0)?;
     Some(binding)
+}
+
+/// The layer with its strands counted [`StrandCount::WhereFull`], so that painting density moves none, and about
+/// as many of them as before.
+pub fn counted_where_full(layer: &Layer, head: Option<&Head>) -> Layer {
+    let mut counted = Layer { count: StrandCount::WhereFull, ..layer.clone() };
+    if layer.count == StrandCount::Total && layer.density().is_some() && !matches!(layer.source, Source::Strands(_)) {
+        let few = |layer: &Layer| Layer { n_strands: N_COUNTED, style: Vec::new(), ..layer.clone() };
+        let left = bind_layer(&few(&counted), head).n_strands().max(1) as f32 / N_COUNTED as f32;
+        counted.n_strands = ((layer.n_strands as f32 / left).round() as u32).clamp(layer.n_strands, MOST_STRANDS);
+    }
+    counted
 }
 
 impl LayerBinding {
@@ -188,6 +218,10 @@ impl LayerBinding {
             + size_of_val(self.root_uvs.as_slice())
             + size_of_val(self.radius_scales.as_slice())
             + size_of_val(self.map_values.as_slice())
+            + self
+                .places
+                .as_ref()
+                .map_or(0, |places| size_of_val(places.roots.as_slice()) + size_of_val(places.places.as_slice()))
             + size_of_val(self.clumps.middles.as_slice())
     }
 
@@ -218,7 +252,7 @@ impl LayerBinding {
     fn push_place(&mut self, place: &Place, scalp: Option<&Scalp<'_>>) {
         self.roots.push(place.position);
         self.root_normals.push(place.normal);
-        if scalp.is_some_and(Scalp::has_uvs) {
+        if scalp.is_some() {
             self.root_uvs.push(place.uv);
         }
     }
@@ -239,28 +273,33 @@ impl LayerBinding {
     }
 }
 
+/// A beginning of a root sequence with each root's place; `None` where none can be.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Places {
+    roots: Vec<Root>,
+    places: Vec<Option<Place>>,
+}
+
 /// A root's place on the scalp.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Place {
     position: Vec3,
     normal: Vec3,
     uv: [f32; 2],
 }
 
-/// The triangles that grow hair: the scalp group, or all.
+/// The triangles that grow hair ([`scalp_triangles`]).
 struct Scalp<'a> {
     mesh: &'a TriMesh,
     triangles: Vec<u32>,
     query: MeshQuery,
     normals: Vec<Vec3>,
+    uvs: Cow<'a, [[f32; 2]]>,
 }
 
 impl<'a> Scalp<'a> {
     fn new(mesh: &'a TriMesh) -> Option<Self> {
-        let triangles = match mesh.group(SCALP_GROUP) {
-            Some(group) if !group.triangles.is_empty() => group.triangles.clone(),
-            Some(_) | None => (0..mesh.triangles.len() as u32).collect(),
-        };
+        let triangles = scalp_triangles(mesh);
         let query = MeshQuery::of_triangles(mesh, triangles.iter().copied()).ok()?;
         let normals = if mesh.normals.len() == mesh.positions.len() {
             mesh.normals.clone()
@@ -269,11 +308,7 @@ impl<'a> Scalp<'a> {
             with_normals.compute_normals();
             with_normals.normals
         };
-        Some(Self { mesh, triangles, query, normals })
-    }
-
-    fn has_uvs(&self) -> bool {
-        !self.mesh.uvs.is_empty() && self.mesh.uvs.len() == self.mesh.positions.len()
+        Some(Self { mesh, triangles, query, normals, uvs: scalp_uvs(mesh) })
     }
 
     fn at(&self, triangle_idx: u32, barycentric: [f32; 3], position: Vec3) -> Place {
@@ -281,10 +316,8 @@ impl<'a> Scalp<'a> {
         let mut place = Place { position, normal: Vec3::ZERO, uv: [0.0; 2] };
         for (v, w) in vertices.into_iter().zip(barycentric) {
             place.normal += w * self.normals[v];
-            if self.has_uvs() {
-                place.uv[0] += w * self.mesh.uvs[v][0];
-                place.uv[1] += w * self.mesh.uvs[v][1];
-            }
+            place.uv[0] += w * self.uvs[v][0];
+            place.uv[1] += w * self.uvs[v][1];
         }
         place.normal = place.normal.normalize_or(Vec3::Y);
         place
@@ -300,41 +333,80 @@ impl<'a> Scalp<'a> {
 /// The roots of `n` strands as (id, root, place), thinned by painted density.
 fn scatter(
     surface: &RootSurface,
-    n: usize,
+    (n, count): (usize, StrandCount),
     seed: u32,
     density: Option<&ScalpMap>,
+    known: Option<Arc<Places>>,
     place: impl Fn(&Root) -> Option<Place> + Sync,
-) -> Vec<(u32, Root, Place)> {
+) -> (Vec<(u32, Root, Place)>, Arc<Places>) {
     let alive = |place: &Option<Place>| -> f32 {
         place.as_ref().map_or(0.0, |place| density.map_or(1.0, |map| map.sample(place.uv)))
     };
+    let mut known = known.unwrap_or_default();
+    let extend = |known: &mut Arc<Places>, n_places: usize| {
+        if known.roots.len() < n_places {
+            let Places { roots, places } = Arc::make_mut(known);
+            surface.extend(roots, n_places, seed);
+            places.par_extend(roots[places.len()..].par_iter().map(&place));
+        }
+    };
+    let chosen = |known: &Places, ids: Vec<u32>| -> Vec<(u32, Root, Place)> {
+        let of = |id: u32| Some((id, known.roots[id as usize], known.places[id as usize]?));
+        ids.into_iter().filter_map(of).collect()
+    };
+    if count == StrandCount::WhereFull {
+        // The beginning of the sequence that has `n` places where a strand can be.
+        let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
+        let mut n_places = n;
+        loop {
+            extend(&mut known, n_places);
+            let mut there = known.places.iter().enumerate().filter(|(_, place)| place.is_some());
+            if let Some((last, _)) = n.checked_sub(1).and_then(|last| there.nth(last)) {
+                n_places = last + 1;
+                break;
+            }
+            if n_places >= most_places || n == 0 {
+                break;
+            }
+            n_places = (n_places * 3 / 2 + 64).min(most_places);
+        }
+        let densities: Vec<f32> = known.places.par_iter().take(n_places).map(&alive).collect();
+        let mut ids = select(&densities, n);
+        ids.retain(|&id| key(id, densities[id as usize]) < n_places as f64);
+        return (chosen(&known, ids), known);
+    }
     // How many places are alive tells how many are needed.
-    let probe = surface.sequence(4096.min(MOST_PLACES_A_STRAND * n), seed);
-    let probe: Vec<f32> = probe.par_iter().map(|root| alive(&place(root))).collect();
+    let n_probed = 4096.min(MOST_PLACES_A_STRAND * n);
+    extend(&mut known, n_probed);
+    let probe: Vec<f32> = known.places.iter().take(n_probed).map(&alive).collect();
     let mean = probe.iter().sum::<f32>() / probe.len().max(1) as f32;
     let most = probe.iter().copied().fold(0.0, f32::max);
     if most <= 0.0 {
-        return Vec::new();
+        return (Vec::new(), known);
     }
     let mut n_places = if mean >= 1.0 { n } else { (1.05 * n as f32 * most / mean) as usize + 64 };
     let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
     loop {
         n_places = n_places.min(most_places);
-        let roots = surface.sequence(n_places, seed);
-        let places: Vec<Option<Place>> = roots.par_iter().map(&place).collect();
-        let densities: Vec<f32> = places.iter().map(alive).collect();
+        extend(&mut known, n_places);
+        let densities: Vec<f32> = known.places[..n_places.min(known.places.len())].par_iter().map(&alive).collect();
         let ids = select(&densities, n);
         // A later place may come before the last one chosen as long as its id is below that one's key.
-        let largest_key = ids.last().map_or(0.0, |&id| (id as f32 + 0.5) / densities[id as usize]);
+        let largest_key = ids.last().map_or(0.0, |&id| key(id, densities[id as usize]) as f32);
         let most = densities.iter().copied().fold(0.0, f32::max);
         if (ids.len() == n && largest_key * most <= n_places as f32) || n_places >= most_places {
-            return ids.iter().filter_map(|&id| Some((id, roots[id as usize], places[id as usize]?))).collect();
+            return (chosen(&known, ids), known);
         }
         n_places = n_places * 3 / 2 + 64;
     }
 }
 
-fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> LayerBinding {
+fn bind_hair_mesh(
+    layer: &Layer,
+    mesh: &HairMesh,
+    scalp: Option<&Scalp<'_>>,
+    known: Option<Arc<Places>>,
+) -> LayerBinding {
     if mesh.layers.is_empty() || mesh.check().is_err() {
         return LayerBinding::with_capacity(GuideSet { n_vertices: 2, positions: Vec::new() }, 0);
     }
@@ -354,8 +426,9 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
             Some(Place { position: root.position, normal: normal.normalize_or(Vec3::Y), uv: [0.0; 2] })
         })
     };
-    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some_and(Scalp::has_uvs));
-    let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
+    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some());
+    let n_strands = layer.n_strands.min(MOST_STRANDS) as usize;
+    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, density, known, place);
     // In a face that is not convex mean values can be far below 0: such a strand would leave its lock.
     let weights: Vec<Vec<f32>> = scattered
         .par_iter()
@@ -370,6 +443,7 @@ fn bind_hair_mesh(layer: &Layer, mesh: &HairMesh, scalp: Option<&Scalp<'_>>) -> 
         .collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
     binding.knots = knots;
+    binding.places = Some(places);
     binding.reach = Some(Arc::new(BundleReach::of(mesh)));
     for ((id, root, place), weights) in scattered.iter().zip(weights) {
         let guides = &chains.of_bundle[root.face as usize];
@@ -406,7 +480,12 @@ fn root_layer_normals(mesh: &HairMesh) -> Vec<Vec3> {
     normals.iter().map(|n| (side * n).normalize_or(Vec3::Y)).collect()
 }
 
-fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> LayerBinding {
+fn bind_guides(
+    layer: &Layer,
+    strands: &Strands,
+    scalp: Option<&Scalp<'_>>,
+    known: Option<Arc<Places>>,
+) -> LayerBinding {
     let guides = GuideSet::of_strands(strands);
     if guides.n_guides() == 0 {
         return LayerBinding::with_capacity(guides, 0);
@@ -443,8 +522,9 @@ fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> L
         };
         near_guide(root.position).then(|| scalp.at(root.face, root.barycentric, root.position))
     };
-    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some_and(Scalp::has_uvs));
-    let scattered = scatter(&surface, layer.n_strands.min(MOST_STRANDS) as usize, layer.seed, density, place);
+    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some());
+    let n_strands = layer.n_strands.min(MOST_STRANDS) as usize;
+    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, density, known, place);
     let influences: Vec<[Influence; 3]> =
         scattered.par_iter().map(|(_, root, _)| three_guides(&guides, &roots, &grid, root.position)).collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
@@ -453,6 +533,7 @@ fn bind_guides(layer: &Layer, strands: &Strands, scalp: Option<&Scalp<'_>>) -> L
         binding.push_id(*id, layer);
         binding.push_place(place, scalp);
     }
+    binding.places = Some(places);
     binding.offset_at_tip = 1.0;
     binding.measure_offsets();
     binding

@@ -15,6 +15,7 @@ use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
 use crate::hair_mesh::{HairMesh, HairMeshError, MeshOp, VertexId};
 use crate::light::Light;
 use crate::look::Look;
+use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, Tile, TileChange};
 use crate::simulation::SimulationSettings;
 use crate::style::StyleOp;
@@ -66,6 +67,12 @@ pub enum Edit {
         kind: MapKind,
         tiles: Vec<TileChange>,
     },
+    /// Paint a stroke into a map, on the scalp of the head: the same as the tiles that it changes.
+    PaintStroke {
+        layer_idx: usize,
+        kind: MapKind,
+        stroke: MapStroke,
+    },
     /// Give a layer a painted map, or take it away.
     SetMap {
         layer_idx: usize,
@@ -96,6 +103,8 @@ pub enum Edit {
 pub enum EditError {
     #[error("there is no layer {layer_idx}: the groom has {n_layers}")]
     NoSuchLayer { layer_idx: usize, n_layers: usize },
+    #[error("there is no head to paint on: import one, or put the mannequin on")]
+    NoHead,
     #[error("the map {kind}: {problem}")]
     Map { kind: MapKind, problem: MapError },
     #[error("layer {layer_idx} is not made of a hair mesh: choose one that is")]
@@ -156,6 +165,12 @@ impl Groom {
             }
             Edit::PaintTiles { layer_idx, kind, tiles } => {
                 self.layer_mut(layer_idx)?.paint_tiles(layer_idx, kind, tiles)?
+            }
+            Edit::PaintStroke { layer_idx, kind, stroke } => {
+                let mesh = self.head.as_ref().map(|head| Arc::clone(&head.mesh)).ok_or(EditError::NoHead)?;
+                let layer = self.layer_mut(layer_idx)?;
+                let tiles = stroke.replay(&mesh, &layer.maps, &kind);
+                layer.paint_tiles(layer_idx, kind, tiles)?
             }
             Edit::SetMap { layer_idx, kind, map } => {
                 let maps = &mut self.layer_mut(layer_idx)?.maps;
@@ -364,6 +379,7 @@ impl Edit {
             | Self::SetLayerVisible { .. }
             | Self::SetMaterial { .. }
             | Self::SetStyle { .. }
+            | Self::PaintStroke { .. }
             | Self::SetMap { map: None, .. }
             | Self::HairMesh { .. }
             | Self::MoveVertices { .. } => {}
@@ -390,6 +406,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::hair_mesh::{Along, FaceCut, Weld};
     use crate::look::{Scattering, Shadowing};
+    use crate::maps::paint::StrokePoint;
     use crate::maps::tests::any_kind;
     use crate::mesh::TriMesh;
     use crate::strands::Strands;
@@ -439,6 +456,11 @@ pub(crate) mod tests {
                     Edit::PaintTiles { layer_idx, kind, tiles: tiles.into_iter().map(change).collect() }
                 }
             ),
+            (layer_idx(), any_kind(), -1.0..1.0_f32).prop_map(|(layer_idx, kind, x)| {
+                let points = [x, x + 0.5].map(|x| StrokePoint { position: Vec3::new(x, 0.0, 0.0), pressure: 1.0 });
+                let stroke = MapStroke { points: points.to_vec(), value: 0.25, ..MapStroke::default() };
+                Edit::PaintStroke { layer_idx, kind, stroke }
+            }),
             (layer_idx(), any_kind(), proptest::option::of((1_u32..300, any::<u8>()))).prop_map(
                 |(layer_idx, kind, map)| {
                     let map = map.map(|(side, texel)| Arc::new(ScalpMap::filled(side, 70, texel)));

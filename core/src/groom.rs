@@ -68,8 +68,9 @@ pub struct Layer {
     pub name: String,
     pub visible: bool,
     pub source: Source,
-    /// Strands at level of detail 1. For [`Source::Strands`]: how many there are.
+    /// Strands at level of detail 1, counted as `count` says. For [`Source::Strands`]: how many there are.
     pub n_strands: u32,
+    pub count: StrandCount,
     /// 4-128.
     pub vertices_per_strand: u32,
     /// Radius at the root, micrometres.
@@ -83,6 +84,17 @@ pub struct Layer {
     pub maps: Maps,
     /// What the file's numbers were taken for, where the strands were imported: `io::reread` changes it.
     pub read_as: Option<Space>,
+}
+
+/// What a layer's number of strands counts where density is painted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+pub enum StrandCount {
+    /// As many as there would be with full density everywhere: painting density adds and takes away strands,
+    /// and moves none.
+    #[default]
+    WhereFull,
+    /// All that there are: density only says where.
+    Total,
 }
 
 /// Where a layer's strands come from.
@@ -255,6 +267,7 @@ impl Layer {
             visible: true,
             source,
             n_strands: 100_000,
+            count: StrandCount::WhereFull,
             vertices_per_strand: 32,
             radius_um: 40.0,
             tip_radius: 0.3,

@@ -98,17 +98,28 @@ impl RootSurface {
     /// The first `n` places of the sequence of `seed`; a longer sequence begins with the same places.
     /// Empty where there is no surface.
     pub fn sequence(&self, n: usize, seed: u32) -> Vec<Root> {
-        if self.triangles.is_empty() {
-            return Vec::new();
+        let mut roots = Vec::new();
+        self.extend(&mut roots, n, seed);
+        roots
+    }
+
+    /// Make a beginning of the sequence of `seed` longer, to `n` places, as if it had been made so at once.
+    pub fn extend(&self, roots: &mut Vec<Root>, n: usize, seed: u32) {
+        if self.triangles.is_empty() || roots.len() >= n {
+            return;
         }
-        let mut roots: Vec<Root> = Vec::with_capacity(n);
-        let mut near = Near::default();
+        roots.reserve_exact(n - roots.len());
+        // The spacing of the densest packing of so many points on a plane of this area.
+        let spacing_at = |i: usize| (2.0 / 3.0_f64.sqrt() * self.area() / (i + 1) as f64).sqrt() as f32;
+        let is_rebuilt_at = |i: usize| i == 0 || (i.is_power_of_two() && i >= 8);
+        let last_rebuilt = (1..=roots.len().max(1).ilog2()).map(|k| 1 << k).filter(|&i| is_rebuilt_at(i)).last();
+        let built_at: usize = last_rebuilt.unwrap_or(0);
+        let mut near = Near::new(spacing_at(built_at), roots, 2 * built_at.max(8));
         while roots.len() < n {
             let i = roots.len();
-            // The spacing of the densest packing of so many points on a plane of this area.
-            let spacing = (2.0 / 3.0_f64.sqrt() * self.area() / (i + 1) as f64).sqrt() as f32;
-            if i == 0 || (i.is_power_of_two() && i >= 8) {
-                near = Near::new(spacing, &roots, 2 * i.max(8));
+            let spacing = spacing_at(i);
+            if is_rebuilt_at(i) {
+                near = Near::new(spacing, roots, 2 * i.max(8));
             }
             let good = (GOOD_ENOUGH * spacing).powi(2);
             // The golden ratio's multiples visit every part of the area in turn, so that no part falls behind;
@@ -133,7 +144,6 @@ impl RootSurface {
             near.insert(best.position);
             roots.push(best);
         }
-        roots
     }
 }
 
@@ -196,10 +206,15 @@ impl Near {
     }
 }
 
+/// What places are chosen by: with full density, a place's number.
+pub fn key(id: u32, density: f32) -> f64 {
+    (f64::from(id) + 0.5) / f64::from(density)
+}
+
 /// The `n` places with the smallest `id / density`, in that order; places without density never.
 /// `densities` holds one value, 0-1, for each place of the sequence.
 pub fn select(densities: &[f32], n: usize) -> Vec<u32> {
-    let key = |id: u32| (f64::from(id) + 0.5) / f64::from(densities[id as usize]);
+    let key = |id: u32| key(id, densities[id as usize]);
     let mut ids: Vec<u32> = (0..densities.len() as u32).filter(|&id| densities[id as usize] > 0.0).collect();
     let by_key = |a: &u32, b: &u32| key(*a).total_cmp(&key(*b)).then(a.cmp(b));
     if n < ids.len() {
@@ -244,6 +259,11 @@ mod tests {
         let surface = RootSurface::of_hair_mesh(&straight_grid(4, 1));
         let (short, long) = (surface.sequence(500, 3), surface.sequence(2000, 3));
         assert_eq!(short[..], long[..500]);
+        for n in [0, 3, 8, 9, 256, 500] {
+            let mut extended = long[..n].to_vec();
+            surface.extend(&mut extended, 2000, 3);
+            assert_eq!(extended, long, "from {n}");
+        }
         let painted: Vec<f32> = long.iter().map(|root| 0.2 + 0.1 * root.position.x).collect();
         let raised: Vec<f32> = painted.iter().zip(&long).map(|(d, root)| d + 0.1 * root.position.z / 4.0).collect();
         let before = select(&painted, 300);

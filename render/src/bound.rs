@@ -8,7 +8,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use lorelei_core::binding::{LayerBinding, bind_layer_watched};
+use lorelei_core::binding::{LayerBinding, rebind_layer};
 use lorelei_core::clumps::Clumps;
 use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::groom::{Groom, Head, Layer, Source};
@@ -86,7 +86,8 @@ impl Bound {
             let before = done;
             let on_progress = |share: f32| watch.progress((before + share * cost) / all);
             let watch = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
-            layers.push(bind(layer, known.as_ref(), groom.head.as_ref(), watch, &mut warnings)?);
+            let similar = self.similar(layer).filter(|_| is_same_head);
+            layers.push(bind(layer, known.as_ref(), similar, groom.head.as_ref(), watch, &mut warnings)?);
             done += cost;
         }
         Some(Self { head: groom.head.clone(), field, layers, warnings })
@@ -95,7 +96,8 @@ impl Bound {
     /// Whether [`Bound::update`] has more to do than what is done within a frame.
     pub fn is_behind(&self, groom: &Groom) -> bool {
         let is_current = |layer: &Layer| {
-            let is_current = |known: &BoundLayer| known.has_clumps_of(layer) && known.has_maps_of(layer);
+            // Maps other than density are asked again within a frame.
+            let is_current = |known: &BoundLayer| known.has_clumps_of(layer);
             self.known(layer).is_some_and(is_current) || self.unmoved(layer).is_some_and(is_current)
         };
         !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
@@ -116,6 +118,12 @@ impl Bound {
             (None, None) => true,
             (Some(_), None) | (None, Some(_)) => false,
         }
+    }
+
+    /// A layer whose roots were chosen among the same places: only density, count or style are others.
+    fn similar(&self, layer: &Layer) -> Option<&LayerBinding> {
+        let is_similar = |known: &&BoundLayer| known.layer.seed == layer.seed && has_same_source(&known.layer, layer);
+        self.layers.iter().find(is_similar).map(|known| &*known.binding)
     }
 
     fn known_or_moved(&self, layer: &Layer) -> Option<BoundLayer> {
@@ -163,6 +171,7 @@ fn field_of(head: Option<&Head>, warnings: &mut Vec<String>) -> Option<Arc<Dista
 fn bind(
     layer: &Layer,
     known: Option<&BoundLayer>,
+    similar: Option<&LayerBinding>,
     head: Option<&Head>,
     watch: Watch<'_>,
     warnings: &mut Vec<String>,
@@ -185,18 +194,21 @@ fn bind(
     {
         warnings.push(format!("{} has no hair: {error}", layer.name));
     }
-    let binding = Arc::new(bind_layer_watched(layer, head, watch)?);
+    let binding = Arc::new(rebind_layer(layer, head, similar, watch)?);
     Some(BoundLayer { layer: layer.clone(), binding, places: N_PLACES.fetch_add(1, Ordering::Relaxed) })
 }
 
 /// Do two layers have the same guides, roots and weights?
 fn binds_alike(a: &Layer, b: &Layer) -> bool {
-    let same_source = match (&a.source, &b.source) {
+    has_same_source(a, b) && has_same_places(a, b)
+}
+
+fn has_same_source(a: &Layer, b: &Layer) -> bool {
+    match (&a.source, &b.source) {
         (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
         (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
         (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
-    };
-    same_source && has_same_places(a, b)
+    }
 }
 
 /// Do two layers of the same source have the same strands?
@@ -206,5 +218,5 @@ fn has_same_places(a: &Layer, b: &Layer) -> bool {
         (None, None) => true,
         (Some(_), None) | (None, Some(_)) => false,
     };
-    same_density && (a.n_strands, a.seed) == (b.n_strands, b.seed)
+    same_density && (a.n_strands, a.count, a.seed) == (b.n_strands, b.count, b.seed)
 }

@@ -48,6 +48,7 @@ mod version_1 {
     use serde::Deserialize;
 
     use super::{Manifest, MapKind, ScalpMap};
+    use crate::groom::StrandCount;
 
     #[derive(Deserialize)]
     struct V1 {
@@ -79,6 +80,7 @@ mod version_1 {
         for (layer, old) in manifest.groom.layers.iter_mut().zip(old.groom.layers) {
             if let Some(Size { width, height }) = old.density {
                 layer.maps.insert(MapKind::Density, Arc::new(ScalpMap::without_texels(width, height)));
+                layer.count = StrandCount::Total;
             }
         }
         Ok(manifest)

@@ -8,7 +8,7 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::{DocumentError, open, open_bytes, save};
-use crate::groom::{Groom, Head, Layer, Source};
+use crate::groom::{Groom, Head, Layer, Source, StrandCount};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
 use crate::io::{ReadError, Space};
 use crate::maps::tests::any_kind;
@@ -235,11 +235,13 @@ fn a_density_of_version_1_becomes_a_map() {
         let begin = text.find("maps: {").expect("a field");
         let end = begin + text[begin..].find("},").expect("its end") + 2;
         let text = format!("{}density: Some((width: 2, height: 3, texels: [])),{}", &text[..begin], &text[end..]);
-        text.replace("version: 2", "version: 1")
+        text.replace("version: 2", "version: 1").replace("count: WhereFull,", "")
     });
     let groom = open_bytes("groom.lorelei", &old).expect("version 1 is still read");
     assert_eq!(groom.layers[0].maps.keys().collect::<Vec<_>>(), [&MapKind::Density]);
     assert_eq!(groom.layers[0].density(), sample().layers[0].density());
+    // Density said only where.
+    assert_eq!(groom.layers[0].count, StrandCount::Total);
 }
 
 #[test]

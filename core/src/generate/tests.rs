@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::binding::bind_layer;
+use crate::binding::{LayerBinding, bind_layer, counted_where_full, rebind_layer};
 use crate::curve::catmull_rom;
-use crate::groom::{Head, Source};
+use crate::groom::{Head, Source, StrandCount};
 use crate::hair_mesh::tests::straight_grid;
 use crate::hair_mesh::{HairMesh, Weld};
+use crate::io::Watch;
 use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mean_value::mean_value_weights;
 use crate::mesh::TriMesh;
@@ -395,7 +396,7 @@ fn a_painted_map_places_every_strand_where_it_is_painted() {
     // A strip one twentieth of the ball wide.
     let density = |map| Maps::from([(MapKind::Density, Arc::new(map))]);
     let map = ScalpMap::from_fn(40, 40, |x, _| if x == 22 || x == 23 { 255 } else { 0 }).unwrap();
-    let layer = Layer { maps: density(map), ..layer(mesh, 3000) };
+    let layer = Layer { maps: density(map), count: StrandCount::Total, ..layer(mesh, 3000) };
     let binding = bind_layer(&layer, Some(&head));
     assert_eq!(binding.n_strands(), 3000);
     for uv in &binding.root_uvs {
@@ -473,4 +474,40 @@ fn guides_and_imported_strands_make_strands_too() {
     }
     let no_triangles = Head::new("empty", TriMesh::default());
     assert_eq!(bind_layer(&layer, Some(&no_triangles)).n_strands(), 60);
+}
+
+/// Prints what repainting the density of 100,000 strands takes; the limit is far above it, for slow machines.
+#[test]
+fn another_density_chooses_among_known_places() {
+    let mut ball = sphere(Vec3::ZERO, 8.0, 48);
+    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
+    let head = Head::new("ball", ball);
+    let mut mesh = straight_grid(4, 0);
+    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
+    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    let mut layer = layer(mesh, 100_000);
+    let start = std::time::Instant::now();
+    let first = bind_layer(&layer, Some(&head));
+    let anew = start.elapsed();
+    let half = ScalpMap::from_fn(512, 512, |x, _| if x < 256 { 255 } else { 120 }).unwrap();
+    layer.maps = Maps::from([(MapKind::Density, Arc::new(half))]);
+    let again = |known: &LayerBinding, layer: &Layer| {
+        let start = std::time::Instant::now();
+        let binding = rebind_layer(layer, Some(&head), Some(known), Watch::default()).unwrap();
+        (binding, start.elapsed())
+    };
+    let (second, longer) = again(&first, &layer);
+    let (third, chosen) = again(&second, &layer);
+    println!("bound anew {anew:.1?}; with another density {longer:.1?} and {chosen:.1?}");
+    assert_eq!(second.ids, bind_layer(&layer, Some(&head)).ids);
+    assert_eq!(third, second);
+    // Painting took strands away and moved none; more density brings them back.
+    let before: std::collections::HashSet<u32> = first.ids.iter().copied().collect();
+    assert!(second.n_strands() > 60_000 && second.n_strands() < 90_000, "{}", second.n_strands());
+    assert!(second.ids.iter().all(|id| before.contains(id)));
+    // Where density says only where, it is others that stand for them; counted so, about as many.
+    let total = Layer { count: StrandCount::Total, n_strands: 50_000, ..layer.clone() };
+    let counted = bind_layer(&counted_where_full(&total, Some(&head)), Some(&head)).n_strands();
+    assert!((counted as f32 / 50_000.0 - 1.0).abs() < 0.03, "{counted}");
+    assert!(chosen.as_secs_f32() < 5.0);
 }

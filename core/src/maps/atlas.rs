@@ -52,6 +52,11 @@ pub struct ScalpAtlas {
 impl ScalpAtlas {
     /// Draw the scalp of a head into a map of this size.
     pub fn new(mesh: &TriMesh, width: u32, height: u32) -> Self {
+        let mut atlas = Self { width, height, texels: Vec::new(), blocks: Vec::new() };
+        let triangles = scalp_triangles(mesh);
+        if triangles.is_empty() {
+            return atlas;
+        }
         let uvs = scalp_uvs(mesh);
         let computed;
         let normals = if mesh.normals.len() == mesh.positions.len() {
@@ -69,7 +74,7 @@ impl ScalpAtlas {
         };
         // For each texel the nearest triangle, its distance in texels, and the weights of its corners there.
         let mut nearest = vec![(f32::INFINITY, u32::MAX, [0.0_f32; 2]); (width * height) as usize];
-        for triangle_idx in scalp_triangles(mesh) {
+        for triangle_idx in triangles {
             let corners = mesh.triangles[triangle_idx as usize].map(in_texels);
             let [a, b, c] = corners;
             if !corners.iter().all(|p| p.is_finite()) || (b - a).perp_dot(c - a) == 0.0 {
@@ -89,7 +94,6 @@ impl ScalpAtlas {
             }
         }
         let across = width.div_ceil(TILE_SIDE);
-        let mut atlas = Self { width, height, texels: Vec::new(), blocks: Vec::new() };
         for block_y in 0..height.div_ceil(BLOCK_SIDE) {
             for block_x in 0..width.div_ceil(BLOCK_SIDE) {
                 let first = atlas.texels.len() as u32;

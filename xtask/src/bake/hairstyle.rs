@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use lorelei_core::distance_field::DistanceField;
-use lorelei_core::groom::{Groom, Layer, Source};
+use lorelei_core::groom::{Groom, Layer, Source, StrandCount};
 use lorelei_core::grow::{Growth, grow};
 use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::maps::{MapKind, Maps, ScalpMap};
@@ -89,6 +89,7 @@ impl Studio {
         Layer {
             n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
             maps: density(Arc::new(self.chart.hair_density(layout))),
+            count: StrandCount::Total,
             seed: 1,
             ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
         }
@@ -112,6 +113,7 @@ impl Studio {
             radius_um: 0.55 * main.radius_um,
             tip_radius: 0.2,
             maps: density(Arc::clone(&self.baby)),
+            count: StrandCount::Total,
             style: vec![
                 op(StyleKind::Length { variation: 0.7, strands_per_clump: 1.0 }),
                 op(StyleKind::Clump { strands_per_clump: 12.0, flare: 0.2, stray: 0.6 }),
@@ -182,6 +184,7 @@ fn fly_aways(studio: &Studio, main: &Layer, amplitude: f32, extra: Vec<StyleOp>)
         seed: 2,
         radius_um: 0.85 * main.radius_um,
         maps: density(Arc::clone(&studio.fly_away)),
+        count: StrandCount::Total,
         style,
         ..main.clone()
     }
