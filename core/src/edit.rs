@@ -279,7 +279,12 @@ impl Edit {
             | (Self::SetLook(_), Self::SetLook(_))
             | (Self::SetLights(_), Self::SetLights(_))
             | (Self::SetSimulation(_), Self::SetSimulation(_)) => true,
-            (Self::SetLayer { layer_idx: a, .. }, Self::SetLayer { layer_idx: b, .. })
+            (
+                Self::SetLayer { layer_idx: a, .. },
+                Self::SetLayer { layer_idx: b, .. }
+                | Self::PaintTiles { layer_idx: b, .. }
+                | Self::SetMap { layer_idx: b, .. },
+            )
             | (Self::SetLayerName { layer_idx: a, .. }, Self::SetLayerName { layer_idx: b, .. })
             | (Self::SetLayerVisible { layer_idx: a, .. }, Self::SetLayerVisible { layer_idx: b, .. })
             | (Self::SetMaterial { layer_idx: a, .. }, Self::SetMaterial { layer_idx: b, .. })

@@ -112,8 +112,7 @@ impl RootSurface {
         // The spacing of the densest packing of so many points on a plane of this area.
         let spacing_at = |i: usize| (2.0 / 3.0_f64.sqrt() * self.area() / (i + 1) as f64).sqrt() as f32;
         let is_rebuilt_at = |i: usize| i == 0 || (i.is_power_of_two() && i >= 8);
-        let last_rebuilt = (1..=roots.len().max(1).ilog2()).map(|k| 1 << k).filter(|&i| is_rebuilt_at(i)).last();
-        let built_at: usize = last_rebuilt.unwrap_or(0);
+        let built_at = if roots.len() < 8 { 0 } else { 1_usize << roots.len().ilog2() };
         let mut near = Near::new(spacing_at(built_at), roots, 2 * built_at.max(8));
         while roots.len() < n {
             let i = roots.len();

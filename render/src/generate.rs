@@ -5,6 +5,7 @@
 //! than finding out.
 
 use glam::Affine3A;
+use lorelei_core::generate::Lod;
 use lorelei_core::groom::Groom;
 use lorelei_core::io::Watch;
 use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
@@ -12,6 +13,7 @@ use wgpu::BufferUsages;
 
 use crate::bound::Bound;
 use crate::mirror::{Mirror, MirrorError, StrandBuffers};
+use crate::overlay::Veil;
 
 /// Makes the strands of a groom.
 pub struct StrandGenerator {
@@ -28,6 +30,8 @@ pub struct StrandPose<'a> {
     pub guides: &'a [Option<&'a wgpu::Buffer>],
     /// Level of detail: share of the strands that are drawn, 0-1.
     pub lod: f32,
+    /// How much of the hair is drawn where a painted map is looked at.
+    pub veil: Veil,
 }
 
 /// Twin of `Params` in generate.wgsl.
@@ -110,7 +114,11 @@ impl StrandGenerator {
             let Some(place) = layer.place else { continue };
             let moved = pose.guides.get(layer_idx).copied().flatten();
             let world_from_guides = if moved.is_some() { Affine3A::IDENTITY } else { pose.world_from_head };
-            let lod = layer.lod(pose.lod);
+            let lod = match pose.veil {
+                Veil::Full => layer.lod(pose.lod),
+                Veil::Thin => Lod { scale: 1.0, ..layer.lod(pose.lod * Veil::THIN) },
+                Veil::Hidden => continue,
+            };
             let params = Params {
                 world_from_head: rows(&pose.world_from_head),
                 head_from_world: rows(&pose.world_from_head.inverse()),
@@ -319,7 +327,8 @@ mod tests {
         assert_eq!(generator.set_groom(&gpu, &groom).unwrap(), Vec::<String>::new());
         let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::new(3.0, -1.0, 2.0));
         for (world_from_head, lod) in [(Affine3A::IDENTITY, 1.0), (turned, 0.37), (turned, 0.0)] {
-            let vertices = make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod });
+            let vertices =
+                make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod, veil: Veil::Full });
             let mut worst: f32 = 0.0;
             for (layer_idx, layer) in groom.layers.iter().enumerate() {
                 let binding = generator.mirror().binding(layer_idx).unwrap();
@@ -374,7 +383,11 @@ mod tests {
         assert!(generator.mirror().layers[1].strands != first[0]);
         groom.layers[1].visible = false;
         generator.set_groom(&gpu, &groom).unwrap();
-        make(&gpu, &mut generator, &StrandPose { world_from_head: Affine3A::IDENTITY, guides: &[], lod: 1.0 });
+        make(
+            &gpu,
+            &mut generator,
+            &StrandPose { world_from_head: Affine3A::IDENTITY, guides: &[], lod: 1.0, veil: Veil::Full },
+        );
         assert_eq!(generator.strands().layers.len(), 2);
         let mut broken = falling_hair();
         broken.layers[1].faces.pop();

@@ -5,11 +5,13 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, Mat4, Vec3};
 use lorelei_core::look::{Look, Shadowing};
+use lorelei_core::maps::uvs::{scalp_triangles, scalp_uvs};
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
 use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
+use crate::overlay::{Overlay, OverlayTexture};
 use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
@@ -23,7 +25,8 @@ struct HeadLook {
     gloss: f32,
     softness: f32,
     roots: f32,
-    pad: [f32; 2],
+    overlay: f32,
+    pad: f32,
 }
 
 struct Mesh {
@@ -31,6 +34,7 @@ struct Mesh {
     normals: wgpu::Buffer,
     indices: wgpu::Buffer,
     scalp: wgpu::Buffer,
+    map_places: wgpu::Buffer,
     n_indices: u32,
 }
 
@@ -40,6 +44,7 @@ pub(crate) struct HeadPass {
     shade: HashMap<Shadowing, Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
+    overlay: OverlayTexture,
 }
 
 /// What the pass needs of the frame.
@@ -65,7 +70,17 @@ impl HeadPass {
             shade: HashMap::new(),
             look: gpu.buffer("head.look", size_of::<HeadLook>() as u64, BufferUsages::UNIFORM),
             mesh: None,
+            overlay: OverlayTexture::new(gpu),
         })
+    }
+
+    /// Show a painted map on the scalp, or skin.
+    pub fn set_overlay(&mut self, gpu: &Gpu, overlay: Option<&Overlay>) -> usize {
+        self.overlay.set(gpu, overlay)
+    }
+
+    pub fn overlay(&self) -> Option<&Overlay> {
+        self.overlay.shown()
     }
 
     pub fn set_mesh(&mut self, gpu: &Gpu, mesh: Option<&TriMesh>) {
@@ -84,6 +99,7 @@ impl HeadPass {
                 normals: gpu.buffer_of("head.normals", normals, BufferUsages::STORAGE),
                 indices: gpu.buffer_of("head.indices", &mesh.triangles, BufferUsages::STORAGE),
                 scalp: gpu.buffer_of("head.scalp", &scalp_of(mesh), BufferUsages::STORAGE),
+                map_places: gpu.buffer_of("head.map_places", &map_places_of(mesh), BufferUsages::STORAGE),
                 n_indices: 3 * mesh.triangles.len() as u32,
             }
         });
@@ -118,7 +134,8 @@ impl HeadPass {
             gloss: input.look.skin_gloss,
             softness: input.look.skin_softness,
             roots: if input.has_hair { input.look.root_shadow } else { 0.0 },
-            pad: [0.0; 2],
+            overlay: self.overlay.shown().map_or(0.0, |overlay| 255.0 / f32::from(overlay.full_texel.max(1))),
+            pad: 0.0,
         };
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&uniform));
 
@@ -152,6 +169,8 @@ impl HeadPass {
                         ("head_normals", mesh.normals.as_entire_binding()),
                         ("head_indices", mesh.indices.as_entire_binding()),
                         ("head_scalp", mesh.scalp.as_entire_binding()),
+                        ("head_map_places", mesh.map_places.as_entire_binding()),
+                        ("head_overlay", wgpu::BindingResource::TextureView(&self.overlay.view)),
                     ],
                 )?;
                 self.draw.draw(&mut pass, &bindings, mesh.n_indices);
@@ -181,6 +200,15 @@ impl HeadPass {
 
 /// Centimetres from the hairline over which skin becomes scalp.
 const HAIRLINE: (f32, f32) = (0.2, 1.4);
+
+/// Each vertex' place in a painted map and whether it is on the part that maps are of.
+fn map_places_of(mesh: &TriMesh) -> Vec<[f32; 3]> {
+    let mut places: Vec<[f32; 3]> = scalp_uvs(mesh).iter().map(|&[u, v]| [u, v, 0.0]).collect();
+    for v in scalp_triangles(mesh).into_iter().flat_map(|t| mesh.triangles[t as usize]) {
+        places[v as usize][2] = 1.0;
+    }
+    places
+}
 
 /// How much each vertex is scalp, 0-1: 0 everywhere where the mesh names no scalp.
 fn scalp_of(mesh: &TriMesh) -> Vec<f32> {

@@ -6,6 +6,7 @@ mod frame;
 pub mod generate;
 mod head;
 pub mod mirror;
+pub mod overlay;
 mod profile;
 mod raster;
 mod renderer;

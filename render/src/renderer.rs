@@ -14,6 +14,7 @@ use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass};
 use crate::mirror::{Mirror, MirrorError};
+use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
 use crate::resolve::ResolvePass;
@@ -66,6 +67,7 @@ struct HairKey {
     world_from_head: Affine3A,
     guides_stamp: u64,
     lod: f32,
+    veil: Veil,
 }
 
 /// What shadows are made from besides strands.
@@ -162,6 +164,11 @@ impl Renderer {
         }
     }
 
+    /// Show a painted map on the scalp from the next frame on, or skin.
+    pub fn set_overlay(&mut self, overlay: Option<&Overlay>) {
+        self.head.set_overlay(&self.gpu, overlay);
+    }
+
     /// Make everything again in the next frame, as if it had changed: for measurements.
     pub fn forget(&mut self) {
         self.made_from = None;
@@ -204,7 +211,8 @@ impl Renderer {
         let view = View::new(input.camera, input.size);
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let lod = (look.lod * input.lod_scale).clamp(0.0, 1.0);
-        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod };
+        let veil = self.head.overlay().map_or(Veil::Full, |overlay| overlay.veil);
+        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod, veil };
         let prepared = self.generator.prepare(gpu, library, &pose)?;
         let strands = self.generator.strands();
         let lights = SceneLights::new(&groom.lights);
@@ -233,6 +241,7 @@ impl Renderer {
             world_from_head: input.world_from_head,
             guides_stamp: input.guides_stamp,
             lod,
+            veil,
         };
         let shadow_key = ShadowKey {
             shadowing: look.shadowing,

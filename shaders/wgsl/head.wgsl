@@ -7,8 +7,9 @@ struct HeadLook {
     gloss: f32,
     softness: f32,
     roots: f32,
-    pad0: f32,
-    pad1: f32,
+    // How many times a painted map's texels are scaled up to be shown; 0: none is shown.
+    overlay: f32,
+    pad: f32,
 }
 
 @group(0) @binding(auto) var<uniform> view: View;
@@ -20,10 +21,16 @@ struct HeadLook {
 // 0 on skin, 1 on the scalp away from the hairline.
 @group(0) @binding(auto) var<storage, read> head_scalp: array<f32>;
 
+// Three numbers a vertex: its place in a painted map, and 1 where maps are painted.
+@group(0) @binding(auto) var<storage, read> head_map_places: array<f32>;
+// A painted map; row 0 at v = 1.
+@group(0) @binding(auto) var head_overlay: texture_2d<f32>;
+
 struct Corner {
     @builtin(position) clip: vec4<f32>,
     @location(0) normal: vec3<f32>,
     @location(1) scalp: f32,
+    @location(2) map_place: vec3<f32>,
 }
 
 @vertex
@@ -34,11 +41,32 @@ fn vertex(@builtin(vertex_index) corner_idx: u32) -> Corner {
     let normal = vec3<f32>(head_normals[at], head_normals[at + 1u], head_normals[at + 2u]);
     let world = head_look.world_from_head * vec4<f32>(position, 1.0);
     let turned = (head_look.world_from_head * vec4<f32>(normal, 0.0)).xyz;
-    return Corner(view.clip_from_world * world, turned, head_scalp[vertex_idx]);
+    let map_place = vec3<f32>(head_map_places[at], head_map_places[at + 1u], head_map_places[at + 2u]);
+    return Corner(view.clip_from_world * world, turned, head_scalp[vertex_idx], map_place);
 }
 
-// World normal, and how much of the pixel is scalp.
+fn overlay_texel(at: vec2<i32>) -> f32 {
+    let last = vec2<i32>(textureDimensions(head_overlay)) - 1;
+    return textureLoad(head_overlay, clamp(at, vec2<i32>(0), last), 0).x;
+}
+
+// Bilinear, as ScalpMap::sample.
+fn overlay_at(uv: vec2<f32>) -> f32 {
+    let at = vec2<f32>(uv.x, 1.0 - uv.y) * vec2<f32>(textureDimensions(head_overlay)) - 0.5;
+    let low = vec2<i32>(floor(at));
+    let f = at - floor(at);
+    let top = mix(overlay_texel(low), overlay_texel(low + vec2<i32>(1, 0)), f.x);
+    let bottom = mix(overlay_texel(low + vec2<i32>(0, 1)), overlay_texel(low + vec2<i32>(1, 1)), f.x);
+    return mix(top, bottom, f.y);
+}
+
+// World normal, and how much of the pixel is scalp. Where a map is shown: 0 off the scalp, 1 to 2 with its value.
 @fragment
 fn fragment(corner: Corner) -> @location(0) vec4<f32> {
-    return vec4<f32>(normalize(corner.normal), corner.scalp);
+    var scalp = corner.scalp;
+    if head_look.overlay > 0.0 {
+        let value = saturate(head_look.overlay * overlay_at(corner.map_place.xy));
+        scalp = select(0.0, 1.0 + value, corner.map_place.z > 0.999);
+    }
+    return vec4<f32>(normalize(corner.normal), scalp);
 }

@@ -17,8 +17,9 @@ struct HeadLook {
     softness: f32,
     // How much of the light that scalp would send back hair roots and their shadows keep.
     roots: f32,
-    pad0: f32,
-    pad1: f32,
+    // How many times a painted map's texels are scaled up to be shown; 0: none is shown.
+    overlay: f32,
+    pad: f32,
 }
 
 @group(0) @binding(auto) var<uniform> view: View;
@@ -76,6 +77,24 @@ fn skin(position: vec3<f32>, surface_normal: vec3<f32>, scalp: f32) -> vec3<f32>
     return between_roots * head_look.albedo * (INV_PI * irradiance + ambient) + gloss * reflected;
 }
 
+// Colours of a painted map's values from none to most, sRGB. Twin of RAMP in overlay.rs.
+const RAMP: array<vec3<f32>, 5> = array<vec3<f32>, 5>(
+    vec3<f32>(0.16, 0.12, 0.33),
+    vec3<f32>(0.20, 0.36, 0.55),
+    vec3<f32>(0.13, 0.57, 0.55),
+    vec3<f32>(0.48, 0.78, 0.35),
+    vec3<f32>(0.99, 0.90, 0.20),
+);
+
+// A map's value instead of skin: lit only as much as shows the shape, so that the colour tells the value.
+fn overlay(value: f32, normal: vec3<f32>, to_eye: vec3<f32>) -> vec3<f32> {
+    var ramp = RAMP;
+    let x = 4.0 * saturate(value);
+    let i = min(u32(x), 3u);
+    let colour = mix(ramp[i], ramp[i + 1u], x - f32(i));
+    return pow(colour, vec3<f32>(2.2)) * (0.45 + 0.55 * abs(dot(normal, to_eye)));
+}
+
 @compute @workgroup_size(8, 8)
 fn shade_head(
     @builtin(global_invocation_id) id: vec3<u32>,
@@ -112,6 +131,12 @@ fn shade_head(
     let resolved = textureLoad(head_normal, id.xy, 0);
     let coverage = 0.25 * n;
     let normal = resolved.xyz * inverseSqrt(max(dot(resolved.xyz, resolved.xyz), 1e-12));
-    let scalp = saturate(resolved.w / coverage);
+    let w = resolved.w / coverage;
+    if head_look.overlay > 0.0 && w > 0.5 {
+        let colour = overlay(w - 1.0, normal, normalize(view.eye - position));
+        textureStore(head_colour, id.xy, coverage * vec4<f32>(colour, 1.0));
+        return;
+    }
+    let scalp = select(saturate(w), 0.0, head_look.overlay > 0.0);
     textureStore(head_colour, id.xy, coverage * vec4<f32>(skin(position, normal, scalp), 1.0));
 }

@@ -21,6 +21,7 @@ use lorelei_core::io::Watch;
 use lorelei_core::look::Look;
 use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
 use lorelei_core::simulation::SimulationSettings;
+use lorelei_render::overlay::Overlay;
 use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
@@ -176,6 +177,11 @@ impl Stage {
 
     fn bindings(&self) -> Vec<Arc<LayerBinding>> {
         (0..self.n_layers).filter_map(|layer_idx| self.renderer.mirror().binding(layer_idx).cloned()).collect()
+    }
+
+    /// Show a painted map on the scalp, or skin.
+    pub fn set_overlay(&mut self, overlay: Option<&Overlay>) {
+        self.renderer.set_overlay(overlay);
     }
 
     /// Make everything again in the next frame: for measurements.

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_render::Bound;
+use lorelei_render::overlay::Overlay;
 use lorelei_shaders::Gpu;
 
 use super::binder::{Binder, Binding, State};
@@ -29,6 +30,8 @@ pub struct FrameRequest {
     /// Pixels.
     pub size: [u32; 2],
     pub playback: Playback,
+    /// A painted map that is shown on the scalp.
+    pub overlay: Option<Overlay>,
     /// A person is dragging something: frames must be quick.
     pub is_interacting: bool,
     /// Milliseconds that a frame may take while something moves.
@@ -43,9 +46,20 @@ impl PartialEq for FrameRequest {
     /// Grooms are compared by their state: comparing a million imported strands would take a frame's time.
     fn eq(&self, other: &Self) -> bool {
         // Every field is named, so that a new one is not forgotten.
-        let Self { groom: _, state, camera, size, playback, is_interacting, moving_budget_ms, n_pictures, n_losses } =
-            self;
+        let Self {
+            groom: _,
+            state,
+            camera,
+            size,
+            playback,
+            overlay,
+            is_interacting,
+            moving_budget_ms,
+            n_pictures,
+            n_losses,
+        } = self;
         (state, camera, size, playback) == (&other.state, &other.camera, &other.size, &other.playback)
+            && *overlay == other.overlay
             && *is_interacting == other.is_interacting
             && *moving_budget_ms == other.moving_budget_ms
             && (*n_pictures, *n_losses) == (other.n_pictures, other.n_losses)
@@ -559,6 +573,7 @@ impl Worker {
         if is_to_be_lost {
             stage.lose_gpu();
         }
+        stage.set_overlay(request.overlay.as_ref());
         let result = stage.frame(&request.playback, dt_secs, &request.camera, request.size, detail);
         let frame_ms = ms_since(now);
         let wants_picture =

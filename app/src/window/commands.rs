@@ -4,6 +4,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::tools::Tool;
 use super::tools::mesh::commands::{MESH_COMMANDS, MeshCommand};
+use super::tools::paint::commands::{PAINT_COMMANDS, PaintCommand};
 
 /// What to do. Dispatched in one place, `Studio::run`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -54,6 +55,7 @@ pub enum Command {
     /// Take a tool; the one that is taken already is put down.
     Tool(Tool),
     Mesh(MeshCommand),
+    Paint(PaintCommand),
 }
 
 /// One row of the table.
@@ -145,7 +147,7 @@ pub const COMMANDS: &[Row] = &[
 
 /// The rows of all tables: the studio's own and each tool's.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
-    COMMANDS.iter().chain(MESH_COMMANDS)
+    COMMANDS.iter().chain(MESH_COMMANDS).chain(PAINT_COMMANDS)
 }
 
 /// What the pointer does in the viewport, for the shortcut sheet.

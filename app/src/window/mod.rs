@@ -310,6 +310,7 @@ impl Studio {
                         self.go_on(ctx, next);
                     }
                 }
+                Done::MapLoaded { kind, map } => tools::paint::take_map(&mut self.desk, kind, map),
                 Done::PictureSaved { path } => {
                     self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
                 }
@@ -426,6 +427,7 @@ impl Studio {
             camera: self.desk.camera,
             size: self.viewport.size,
             playback: self.desk.playback,
+            overlay: self.desk.tools.overlay(&self.desk.document.groom, self.desk.selection),
             is_interacting: self.viewport.is_interacting,
             moving_budget_ms: self.desk.settings.moving_budget_ms,
             n_pictures: self.n_pictures,
@@ -620,6 +622,16 @@ impl Studio {
             Purpose::PlayMacro => {
                 self.jobs.start(ctx, format!("Playing {name}"), move |watch| jobs::play_macro(groom, &path, watch));
             }
+            Purpose::LoadMap => {
+                let kind = self.desk.tools.paint.kind.clone();
+                self.jobs.start(ctx, format!("Reading {name}"), move |_| jobs::load_map(&path, kind));
+            }
+            Purpose::SaveMap => {
+                let Some((kind, map)) = tools::paint::map_to_save(&self.desk) else { return };
+                let picture_kind = self.desk.tools.paint.picture_kind(&path);
+                self.jobs
+                    .start(ctx, format!("Writing {name}"), move |_| jobs::save_map(&path, &map, &kind, picture_kind));
+            }
         }
     }
 
@@ -773,6 +785,7 @@ impl Studio {
                 layer.is_some_and(|layer| !matches!(layer.source, Source::Strands(_)))
             }
             Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
+            Command::Paint(command) => tools::paint::commands::is_enabled(&self.desk, command),
             _ => true,
         }
     }

@@ -43,6 +43,14 @@ impl Projection {
         2.0 * clip.w.abs() / (row * self.rect.height().max(1.0))
     }
 
+    /// Takes a place to points of the window once x and y are divided by w.
+    pub fn screen_from_world(&self) -> Mat4 {
+        let (centre, half) = (self.rect.center(), 0.5 * self.rect.size());
+        let to_points = Mat4::from_translation(Vec3::new(centre.x, centre.y, 0.0))
+            * Mat4::from_scale(Vec3::new(half.x, -half.y, 1.0));
+        to_points * self.clip_from_world
+    }
+
     pub fn rect(&self) -> Rect {
         self.rect
     }

@@ -11,6 +11,7 @@ use super::commands::Command;
 use super::files::choose::Purpose;
 use super::files::jobs;
 use super::tools::Tool;
+use super::tools::paint::commands::PaintCommand;
 use super::{Next, Palette, Question, Studio, layout, panels, tools};
 
 impl Studio {
@@ -85,6 +86,9 @@ impl Studio {
             }
             Command::Tool(tool) => self.take_tool(ctx, tool),
             Command::Mesh(command) => tools::mesh::run(&mut self.desk, command),
+            Command::Paint(PaintCommand::Load) => self.choose(ctx, Purpose::LoadMap),
+            Command::Paint(PaintCommand::Save) => self.choose(ctx, Purpose::SaveMap),
+            Command::Paint(command) => tools::paint::commands::run(&mut self.desk, command),
             Command::Shortcuts => self.shows_shortcuts = !self.shows_shortcuts,
         }
     }

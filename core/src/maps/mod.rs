@@ -7,6 +7,7 @@
 pub mod atlas;
 mod pack;
 pub mod paint;
+pub mod picture;
 mod tiles;
 pub mod uvs;
 

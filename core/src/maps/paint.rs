@@ -197,8 +197,9 @@ impl Stroke {
         &self.map
     }
 
-    pub fn mode(&self) -> PaintMode {
-        self.mode
+    /// The pen is lifted: the next place is not joined to the last one.
+    pub fn lift(&mut self) {
+        self.last = None;
     }
 
     /// Go on to the brush's next place. Returns the tiles that it changed.

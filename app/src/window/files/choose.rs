@@ -5,6 +5,7 @@ use std::sync::mpsc;
 
 use super::dialog::FileDialog;
 use lorelei_core::io::{MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS};
+use lorelei_core::maps::picture::MAP_EXTENSIONS;
 
 /// What a path is wanted for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +20,8 @@ pub enum Purpose {
     PlayMacro,
     LoadStyle,
     SaveStyle,
+    LoadMap,
+    SaveMap,
 }
 
 /// What a person answered.
@@ -41,6 +44,8 @@ impl Purpose {
             Self::PlayMacro => "Play a macro",
             Self::LoadStyle => "Load style",
             Self::SaveStyle => "Save style",
+            Self::LoadMap => "Load map",
+            Self::SaveMap => "Save map",
         }
     }
 
@@ -54,12 +59,16 @@ impl Purpose {
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
             Self::SavePicture => vec!["png"],
             Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle => vec!["ron"],
+            Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
         };
         all.into_iter().map(str::to_owned).collect()
     }
 
     pub fn is_save(self) -> bool {
-        matches!(self, Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro | Self::SaveStyle)
+        matches!(
+            self,
+            Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro | Self::SaveStyle | Self::SaveMap
+        )
     }
 
     /// The path with an extension that fits the purpose.

@@ -8,6 +8,8 @@ use lorelei_core::document;
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Groom, Head, Layer};
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
+use lorelei_core::maps::picture::{self, PictureError, PictureKind};
+use lorelei_core::maps::{MapKind, ScalpMap};
 use lorelei_core::script::{self, Step};
 
 use crate::open;
@@ -40,6 +42,10 @@ pub enum Done {
     },
     PictureSaved {
         path: PathBuf,
+    },
+    MapLoaded {
+        kind: MapKind,
+        map: ScalpMap,
     },
     /// What a crashed run had left.
     Recovered {
@@ -231,6 +237,25 @@ pub fn play_macro(mut groom: Groom, path: &Path, watch: Watch<'_>) -> Done {
         Err(refusal) => {
             failed(format!("{refusal}\nNothing was changed. It was made for another groom, or has a fault"))
         }
+    }
+}
+
+/// Read a picture as a painted map.
+pub fn load_map(path: &Path, kind: MapKind) -> Done {
+    match picture::read_map(path, &kind) {
+        Ok(map) => Done::MapLoaded { kind, map },
+        Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Write a painted map as a picture.
+pub fn save_map(path: &Path, map: &ScalpMap, kind: &MapKind, picture_kind: Option<PictureKind>) -> Done {
+    let written = picture_kind
+        .ok_or_else(|| PictureError::Extension { path: path.to_owned() })
+        .and_then(|picture_kind| picture::write_map(path, map, kind, picture_kind));
+    match written {
+        Ok(()) => Done::PictureSaved { path: path.to_owned() },
+        Err(why) => Done::Failed { title: format!("Could not save {}", name_of(path)), why: why.to_string() },
     }
 }
 

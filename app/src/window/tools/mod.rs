@@ -11,9 +11,11 @@ pub mod surface;
 
 use egui::{Color32, Pos2, Rect, Response, Sense, Stroke, Ui, pos2, vec2};
 use glam::Vec3;
+use lorelei_core::groom::Groom;
+use lorelei_render::overlay::Overlay;
 
 use super::commands::Command;
-use super::desk::Desk;
+use super::desk::{Desk, Selection};
 use super::projection::Projection;
 use super::state_report::mark;
 use super::theme;
@@ -59,6 +61,14 @@ impl Tools {
     /// Plain keys belong to what a tool is doing, not to commands.
     pub fn takes_keys(&self) -> bool {
         self.active == Tool::Mesh && self.mesh.takes_keys()
+    }
+
+    /// What the active tool wants to see on the scalp.
+    pub fn overlay(&self, groom: &Groom, selection: Selection) -> Option<Overlay> {
+        match self.active {
+            Tool::Paint => self.paint.overlay(groom, selection),
+            Tool::Select | Tool::Mesh | Tool::Sculpt => None,
+        }
     }
 }
 
