@@ -56,6 +56,11 @@ pub enum HairMeshError {
     )]
     NoTwinEdge { layer: usize, a: u32, b: u32 },
     #[error(
+        "bundle {bundle} crosses the middle and its root face is not symmetric: divide it along the middle or \
+         move its corners onto it"
+    )]
+    AcrossTheMiddle { bundle: usize },
+    #[error(
         "bundle {bundle} has {n_corners} corners and Loop subdivision takes triangles: divide it first or use Catmull-Clark"
     )]
     NotTriangle { bundle: usize, n_corners: usize },

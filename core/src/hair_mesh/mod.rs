@@ -17,14 +17,17 @@ mod divide;
 mod error;
 mod extrude;
 mod layers;
+mod mirror;
 mod op;
 #[cfg(test)]
 mod op_tests;
 mod outer;
 mod relax;
+pub mod select;
 mod separate;
 mod smooth;
 mod subdivide;
+pub mod symmetry;
 mod transform;
 mod weld;
 mod work;
@@ -36,6 +39,7 @@ pub use error::HairMeshError;
 pub use extrude::{Along, Extruded, Weld};
 pub use op::{EdgeId, FaceCut, MeshOp, NewVertex, Report, Scheme, VertexId};
 pub use outer::{OuterEdge, OuterFace, OuterSurface};
+pub use relax::{Accuracy, Relaxed, Relaxer};
 pub use transform::{Limits, VertexDrag, VertexMotion};
 
 /// Layers over a root layer. Layer 0 lies on the scalp.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::symmetry::Side;
 use super::work::{Work, edge_of};
 use super::{Along, HairMesh, HairMeshError, Weld};
 
@@ -96,6 +97,9 @@ pub enum MeshOp {
     /// Move vertices towards the middle of their neighbours by the share `strength` (0-1), `n_times`.
     /// The root layer stays.
     SmoothVertices { vertices: Vec<VertexId>, strength: f32, n_times: u32 },
+    /// Make the other side of X = 0 the mirror image of `from`. What lies within `tolerance_cm` of the plane
+    /// belongs to both sides.
+    Mirror { from: Side, tolerance_cm: f32 },
 }
 
 /// A vertex that was not there before.
@@ -160,6 +164,7 @@ impl HairMesh {
             MeshOp::SmoothVertices { vertices, strength, n_times } => {
                 work.smooth(vertices, *strength, *n_times)?;
             }
+            MeshOp::Mirror { from, tolerance_cm } => work.mirror(*from, *tolerance_cm)?,
         }
         let (mesh, report) = work.finish()?;
         *self = mesh;

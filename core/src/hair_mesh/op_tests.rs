@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 use proptest::prelude::*;
 
+use super::symmetry::Side;
 use super::{
     Along, EdgeId, FaceCut, HairMesh, HairMeshError as E, HairMeshLayer, MeshOp, Report, Scheme, VertexId, Weld,
 };
 
 /// As the other tests' grid, but vertex `x + (n + 1) z` is at (x, k, z) in every layer `k`.
-fn straight_grid(n: u32, n_layers: usize) -> HairMesh {
+pub(super) fn straight_grid(n: u32, n_layers: usize) -> HairMesh {
     let root = &super::tests::straight_grid(n, 0).layers[0];
     let layer = |k: usize| HairMeshLayer {
         positions: root.positions.iter().map(|p| p + Vec3::Y * k as f32).collect(),
@@ -355,6 +356,9 @@ fn any_op() -> impl Strategy<Value = MeshOp> {
         1 => (bundles(), scheme).prop_map(|(bundles, scheme)| MeshOp::Subdivide { bundles, scheme }),
         1 => (vertices(), any::<bool>()).prop_map(|(vertices, pinned)| MeshOp::SetPinned { vertices, pinned }),
         1 => Just(MeshOp::Relax),
+        1 => any::<bool>().prop_map(|left| {
+            MeshOp::Mirror { from: if left { Side::PlusX } else { Side::MinusX }, tolerance_cm: 0.2 }
+        }),
         1 => (vertices(), 0.0..1.0_f32)
             .prop_map(|(vertices, strength)| MeshOp::SmoothVertices { vertices, strength, n_times: 2 }),
     ]
@@ -408,6 +412,10 @@ proptest! {
     #[test]
     fn every_operation_keeps_the_invariants_or_changes_nothing(ops in prop::collection::vec(any_op(), 1..14)) {
         let mut mesh = straight_grid(3, 1);
+        for layer in 0..2 {
+            // Now the middle of a column of faces lies on X = 0.
+            mesh.move_vertices(layer, |_, p| p - 1.5 * Vec3::X);
+        }
         for op in ops {
             let before = mesh.clone();
             let op = aimed(&mesh, op);
