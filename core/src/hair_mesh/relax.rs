@@ -396,7 +396,8 @@ impl Relaxer {
     /// Solve a chain's own block in place.
     fn solve_chain(&self, chain: std::ops::Range<usize>, x: &mut [Vec4]) {
         for i in chain.clone().skip(1) {
-            x[i] = x[i] - self.factor[i - 1] * x[i - 1];
+            let from_below = self.factor[i - 1] * x[i - 1];
+            x[i] -= from_below;
         }
         let mut above = Vec4::ZERO;
         for i in chain.rev() {
