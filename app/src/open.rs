@@ -43,7 +43,8 @@ impl OpenError {
 /// The embedded hairstyle that is meant by `path`: its name, and no file of that name.
 pub fn hairstyle_named(path: &Path) -> Option<&'static str> {
     let name = path.to_str()?;
-    lorelei_assets::hairstyle_names().iter().copied().find(|key| *key == name && !path.exists())
+    let mut keys = lorelei_assets::hairstyle_names().iter().copied().chain([lorelei_assets::BARE]);
+    keys.find(|key| *key == name && !path.exists())
 }
 
 /// Open a file or an embedded hairstyle, with another head where one is given.

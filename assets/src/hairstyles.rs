@@ -19,11 +19,17 @@ pub fn hairstyle_names() -> &'static [&'static str] {
     &["long", "bob", "curls"]
 }
 
-/// A hairstyle on the embedded head; `None` where there is none of that key.
+/// Key of the head without hair: where a style of one's own begins.
+pub const BARE: &str = "bare";
+
+/// A hairstyle on the embedded head, or with [`BARE`] the head alone; `None` where there is none of that key.
 ///
 /// # Panics
 /// If an embedded file is damaged, which a test rules out.
 pub fn hairstyle(key: &str) -> Option<Groom> {
+    if key == BARE {
+        return Some(Groom { name: "Bare head".to_owned(), head: Some(mannequin()), ..Groom::default() });
+    }
     let (_, bytes) = STYLES.iter().find(|(name, _)| *name == key)?;
     let groom = document::open_bytes(key, bytes).expect("the embedded hairstyles are valid documents");
     // A style is shape and fibre; light and look are the studio's defaults, not those of the day it was baked.

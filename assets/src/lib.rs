@@ -4,5 +4,5 @@
 mod hairstyles;
 mod head;
 
-pub use hairstyles::{default_groom, hairstyle, hairstyle_names};
+pub use hairstyles::{BARE, default_groom, hairstyle, hairstyle_names};
 pub use head::{complete, complete_head, head, mannequin};

@@ -38,8 +38,11 @@ fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
         }
         if matches!(row.command, Command::New) {
             ui.menu_button("New from", |ui| {
-                for key in lorelei_assets::hairstyle_names() {
-                    if ui.button(*key).on_hover_text("An embedded hairstyle as a new groom").clicked() {
+                let bare = (lorelei_assets::BARE, "The head without hair: model a style of your own");
+                let styles = lorelei_assets::hairstyle_names().iter();
+                let styles = styles.map(|key| (*key, "An embedded hairstyle as a new groom"));
+                for (key, help) in std::iter::once(bare).chain(styles) {
+                    if ui.button(key).on_hover_text(help).clicked() {
                         let ctx = ui.ctx().clone();
                         studio.ask_or_go_on(&ctx, Next::Hairstyle(key));
                         ui.close();
