@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::Affine3A;
-use lorelei_core::groom::{Groom, HairMaterial};
+use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::io::Watch;
 use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
@@ -139,7 +139,9 @@ impl Renderer {
     pub fn set_bound(&mut self, groom: &Groom, bound: Bound) -> Result<Vec<String>, RenderError> {
         let head_of = |groom: &Groom| groom.head.as_ref().map(|head| Arc::as_ptr(&head.mesh));
         let is_new_head = self.groom.as_ref().is_none_or(|old| head_of(old) != head_of(groom));
-        let is_new_shape = self.groom.as_ref().is_none_or(|old| old.layers != groom.layers);
+        let is_new_shape = self.groom.as_ref().is_none_or(|old| {
+            old.layers.len() != groom.layers.len() || old.layers.iter().zip(&groom.layers).any(|(a, b)| differ(a, b))
+        });
         let warnings = self.generator.set_bound(&self.gpu, groom, bound)?;
         if is_new_head {
             let mesh = groom.head.as_ref().map(|head| &*head.mesh);
@@ -439,6 +441,18 @@ impl Renderer {
             .or(self.ribbons.shader_error())
             .or(self.resolve.shader_error())
     }
+}
+
+/// Whether two layers are drawn differently. Sources are told apart by where they are: comparing hundreds of megabytes
+/// of strands would take longer than drawing them.
+fn differ(a: &Layer, b: &Layer) -> bool {
+    let is_same_source = match (&a.source, &b.source) {
+        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
+        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
+        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
+    };
+    let without_source = |layer: &Layer| Layer { source: Source::Strands(Arc::default()), ..layer.clone() };
+    !is_same_source || without_source(a) != without_source(b)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! test prints.
 
 mod controls;
+mod modelling;
 mod sample;
 mod studio;
 mod survival;

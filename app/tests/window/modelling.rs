@@ -1,0 +1,122 @@
+//! From a bare head to a bob, by hand: root faces on the scalp, extruded, moved, pushed and relaxed; refused where the
+//! mesh would break; undone by half.
+
+use lorelei_core::document;
+use lorelei_core::groom::{Groom, Source};
+use lorelei_core::hair_mesh::HairMesh;
+use serde_json::Value;
+
+use crate::studio::{Display, Studio, begin, difference, numbers};
+
+fn n_done(state: &Value) -> u64 {
+    state["n_done"].as_u64().unwrap()
+}
+
+/// Press a key in the viewport and wait until it made `n` steps.
+fn key_and_steps(studio: &mut Studio<'_>, key: &str, n: u64) -> Value {
+    let before = n_done(&studio.state());
+    studio.key(key);
+    studio.wait(key, |state| n_done(state) == before + n)
+}
+
+/// Extrude what is selected; the amount is typed.
+fn extrude(studio: &mut Studio<'_>, more_cm: &str) {
+    key_and_steps(studio, "e", 1);
+    studio.type_text(more_cm);
+    studio.key("Return");
+    studio.wait("an extrusion", |state| state["steps"].as_array().unwrap().last().is_some_and(is_extended));
+}
+
+fn is_extended(label: &Value) -> bool {
+    label.as_str().is_some_and(|label| label.starts_with("Extend"))
+}
+
+fn mesh_of(groom: &Groom) -> &HairMesh {
+    match &groom.layers[0].source {
+        Source::HairMesh(mesh) => mesh,
+        Source::Guides(_) | Source::Strands(_) => panic!("made of a hair mesh"),
+    }
+}
+
+#[test]
+fn from_a_bare_head_to_a_bob() {
+    let Some((_alone, folder)) = begin("modelling") else { return };
+    let file = folder.join("bob.lorelei");
+    document::save(&lorelei_assets::hairstyle(lorelei_assets::BARE).unwrap(), &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the bare head", |state| state["still"] == true);
+    assert_eq!(opened["layers"], Value::Array(Vec::new()));
+    let bare = studio.screenshot("1_bare");
+
+    // Root faces over the scalp, all selected.
+    studio.key("Tab");
+    studio.wait("the tool", |state| state["tool"]["name"] == "Model");
+    studio.click("new hair mesh");
+    let begun = studio.wait("root faces", |state| n_done(state) == 1 && state["tool"]["selected"].as_u64() > Some(20));
+    assert_eq!(begun["layers"].as_array().unwrap().len(), 1);
+    let [left, top, right, bottom] = numbers::<4>(&begun["viewport"]);
+    studio.move_to((0.5 * (left + right), 0.5 * (top + bottom)));
+    studio.screenshot("2_roots");
+
+    // Three layers: out of the scalp, then onwards and down.
+    for more_cm in ["-1", "1", "2"] {
+        extrude(&mut studio, more_cm);
+    }
+    studio.wait("hair", |state| state["still"] == true && state["strands"].as_u64() > Some(1000));
+    let grown = studio.screenshot("3_extruded");
+    assert!(difference(&bare, &grown, [left, top, right, bottom]) > 0.01, "hair covers the head");
+
+    // Move the tips down, along Y, by a typed amount; Esc takes another move back.
+    studio.key("g");
+    studio.key("y");
+    studio.type_text("-3");
+    studio.key("Return");
+    let moved = studio.wait("a move", |state| {
+        state["steps"].as_array().unwrap().last().unwrap().as_str().unwrap().starts_with("Move")
+    });
+    studio.key("g");
+    studio.move_to((0.5 * (left + right) + 60.0, 0.5 * (top + bottom)));
+    studio.wait("a second move", |state| n_done(state) == n_done(&moved) + 1);
+    studio.key("Escape");
+    studio.wait("it taken back", |state| n_done(state) == n_done(&moved));
+
+    // What would break the mesh is refused, with the reason.
+    studio.key("m");
+    studio.wait("a refusal", |state| state["tool"]["refusal"].is_string());
+    assert_eq!(n_done(&studio.state()), n_done(&moved), "nothing has changed");
+    studio.screenshot("4_refused");
+
+    // Vertices: a click takes one, relaxing places the inside, the push brush is one step a stroke.
+    studio.key("1");
+    key_and_steps(&mut studio, "shift+r", 1);
+    studio.key("t");
+    let (x, y) = (0.5 * (left + right), top + 0.25 * (bottom - top));
+    let before = n_done(&studio.state());
+    studio.drag(1, (x - 60.0, y), (x + 60.0, y));
+    studio.wait("a stroke", |state| n_done(state) == before + 1);
+    studio.key("t");
+    studio.wait("the picture", |state| state["still"] == true);
+    studio.screenshot("5_pushed");
+
+    // Half of it undone and done again; saved and checked.
+    let all = n_done(&studio.state());
+    for _ in 0..all / 2 {
+        let before = n_done(&studio.state());
+        studio.key("ctrl+z");
+        studio.wait("an undo", |state| n_done(state) == before - 1);
+    }
+    studio.screenshot("6_half_undone");
+    for _ in 0..all / 2 {
+        let before = n_done(&studio.state());
+        studio.key("ctrl+shift+z");
+        studio.wait("a redo", |state| n_done(state) == before + 1);
+    }
+    studio.key("ctrl+s");
+    studio.wait("the save", |state| state["unsaved"] == false && state["jobs"] == 0);
+    let groom = document::open(&file).unwrap();
+    let mesh = mesh_of(&groom);
+    mesh.check().unwrap();
+    assert_eq!(mesh.layers.len(), 4, "three extrusions");
+    studio.quit();
+}
