@@ -229,9 +229,8 @@ impl Renderer {
         };
         self.shadow.prepare(gpu, library, strands, &shadow_input)?;
         let fallback = HairMaterial::default();
-        let material_of = |layer: u32| {
-            groom.layers.get(layer as usize).map_or(&fallback, |layer: &lorelei_core::groom::Layer| &layer.material)
-        };
+        let material_of =
+            |layer: u32| groom.layers.get(layer as usize).map_or(&fallback, |layer: &Layer| &layer.material);
         self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
         let raster_input = RasterInput { view, ball: self.ball, exposure: look.exposure.exp2() };
         self.raster.prepare(gpu, library, strands, &raster_input)?;

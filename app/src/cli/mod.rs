@@ -6,6 +6,7 @@ mod apply;
 mod convert;
 mod info;
 mod looks;
+mod measure;
 mod read_as;
 mod render;
 pub mod set;
@@ -77,6 +78,8 @@ enum Command {
     Looks(looks::LooksArguments),
     /// Say what is in a file: strands, points, bounds, unit and axis.
     Info(info::InfoArguments),
+    /// Measure what this machine needs for work on a groom.
+    Measure(measure::MeasureArguments),
     /// Write hair in another program's format.
     Convert(convert::ConvertArguments),
     /// Replay a list of edits on a groom.
@@ -117,6 +120,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Looks(arguments)) => looks::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
+        Some(Command::Measure(arguments)) => measure::run(&arguments),
         Some(Command::Convert(arguments)) => convert::run(&arguments),
         Some(Command::Apply(arguments)) => apply::run(&arguments),
         None => window::open(&window::StartOptions {

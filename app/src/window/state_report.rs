@@ -112,6 +112,7 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         "tool": {
             "name": desk.tools.active.label(),
             "selected": desk.tools.mesh.selection.vertices.len(),
+            "holds": desk.tools.takes_keys(),
             "refusal": desk.tools.mesh.refusal(),
         },
         "playing": desk.playback.is_playing,

@@ -19,12 +19,16 @@ fn key_and_steps(studio: &mut Studio<'_>, key: &str, n: u64) -> Value {
     studio.wait(key, |state| n_done(state) == before + n)
 }
 
-/// Extrude what is selected; the amount is typed.
-fn extrude(studio: &mut Studio<'_>, more_cm: &str) {
-    key_and_steps(studio, "e", 1);
+/// Extrude what is selected with a key; how much more than the panel's length is typed.
+fn extrude(studio: &mut Studio<'_>, key: &str, more_cm: &str) {
+    let before = n_done(&studio.state());
+    studio.key(key);
+    studio.wait("an extrusion", |state| n_done(state) == before + 1);
     studio.type_text(more_cm);
     studio.key("Return");
-    studio.wait("an extrusion", |state| state["steps"].as_array().unwrap().last().is_some_and(is_extended));
+    studio.wait("its length", |state| {
+        n_done(state) == before + 2 && state["steps"].as_array().unwrap().last().is_some_and(is_extended)
+    });
 }
 
 fn is_extended(label: &Value) -> bool {
@@ -59,23 +63,24 @@ fn from_a_bare_head_to_a_bob() {
     studio.move_to((0.5 * (left + right), 0.5 * (top + bottom)));
     studio.screenshot("2_roots");
 
-    // Three layers: out of the scalp, then onwards and down.
-    for more_cm in ["-1", "1", "2"] {
-        extrude(&mut studio, more_cm);
+    // Layers: a little out of the scalp, then onwards, giving way to the weight.
+    for (key, more_cm) in [("e", "-1.8"), ("shift+e", "0.5"), ("shift+e", "1"), ("shift+e", "1"), ("shift+e", "1")] {
+        extrude(&mut studio, key, more_cm);
     }
     studio.wait("hair", |state| state["still"] == true && state["strands"].as_u64() > Some(1000));
     let grown = studio.screenshot("3_extruded");
     assert!(difference(&bare, &grown, [left, top, right, bottom]) > 0.01, "hair covers the head");
 
-    // Move the tips down, along Y, by a typed amount; Esc takes another move back.
+    // Move the tips up, along Y, by a typed amount; Esc takes another move back.
     studio.key("g");
     studio.key("y");
-    studio.type_text("-3");
+    studio.type_text("0.5");
     studio.key("Return");
     let moved = studio.wait("a move", |state| {
         state["steps"].as_array().unwrap().last().unwrap().as_str().unwrap().starts_with("Move")
     });
     studio.key("g");
+    studio.wait("a grab", |state| state["tool"]["holds"] == true);
     studio.move_to((0.5 * (left + right) + 60.0, 0.5 * (top + bottom)));
     studio.wait("a second move", |state| n_done(state) == n_done(&moved) + 1);
     studio.key("Escape");
@@ -117,6 +122,6 @@ fn from_a_bare_head_to_a_bob() {
     let groom = document::open(&file).unwrap();
     let mesh = mesh_of(&groom);
     mesh.check().unwrap();
-    assert_eq!(mesh.layers.len(), 4, "three extrusions");
+    assert_eq!(mesh.layers.len(), 6, "five extrusions");
     studio.quit();
 }

@@ -171,7 +171,7 @@ impl<'a> Studio<'a> {
     }
 
     pub fn type_text(&self, text: &str) {
-        self.xdotool(&["type", "--delay", "30", text]);
+        self.xdotool(&["type", "--delay", "30", "--", text]);
     }
 
     /// Press, move in steps as a hand does, release; each once the studio has seen the one before.

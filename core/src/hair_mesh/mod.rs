@@ -23,6 +23,7 @@ mod op;
 mod op_tests;
 mod outer;
 mod relax;
+pub mod scalp;
 pub mod select;
 mod separate;
 mod smooth;

@@ -13,8 +13,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use glam::{DVec3, Vec4};
 
-use super::HairMesh;
 use super::work::edges;
+use super::{HairMesh, VertexId};
 
 /// Rounds of conjugate gradients at most.
 const MOST_ITERATIONS: usize = 500;
@@ -109,6 +109,17 @@ impl HairMesh {
         external
     }
 
+    /// Per layer and vertex: is it outside or pinned, and so not placed by relaxing?
+    pub fn fixed_vertices(&self) -> Vec<Vec<bool>> {
+        let mut fixed = self.external_vertices();
+        for (fixed, layer) in fixed.iter_mut().zip(&self.layers) {
+            for &v in &layer.pinned {
+                fixed[v as usize] = true;
+            }
+        }
+        fixed
+    }
+
     /// Place the inner vertices that are not pinned.
     pub fn relax_inside(&mut self) -> Relaxed {
         Relaxer::new(self).relax(self, Accuracy::Full)
@@ -124,12 +135,7 @@ impl HairMesh {
 impl Relaxer {
     /// For the inner vertices that are not pinned.
     pub fn new(mesh: &HairMesh) -> Self {
-        let mut fixed = mesh.external_vertices();
-        for (fixed, layer) in fixed.iter_mut().zip(&mesh.layers) {
-            for &v in &layer.pinned {
-                fixed[v as usize] = true;
-            }
-        }
+        let fixed = mesh.fixed_vertices();
         Self::with_fixed(mesh, |layer, v| fixed[layer][v as usize])
     }
 
@@ -179,7 +185,15 @@ impl Relaxer {
         self.topology == topology_of(mesh)
     }
 
-    /// Vertices that are placed.
+    /// The vertices that are placed.
+    pub fn free(&self) -> impl Iterator<Item = VertexId> {
+        self.order.iter().map(|&v| {
+            let layer = self.first_of_layer.partition_point(|&first| first <= v as usize) - 1;
+            VertexId { layer, vertex: v - self.first_of_layer[layer] as u32 }
+        })
+    }
+
+    /// How many vertices are placed.
     pub fn n_free(&self) -> usize {
         self.order.len()
     }

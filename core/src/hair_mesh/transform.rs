@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
-use super::{HairMesh, VertexId};
+use super::{Accuracy, HairMesh, Relaxer, VertexId};
 use crate::brush::Falloff;
 use crate::mesh_query::MeshQuery;
 
@@ -22,6 +22,9 @@ pub struct VertexDrag {
     mirrors: Vec<Option<VertexId>>,
     /// The middle of what was selected.
     pub pivot: Vec3,
+    /// The mesh as the drag has it now, from which the inside is placed, and what places it.
+    now: HairMesh,
+    relaxer: Option<Relaxer>,
 }
 
 /// What the hand does.
@@ -85,7 +88,7 @@ impl VertexDrag {
             .iter()
             .map(|&(id, weight)| mirror(id).filter(|image| followed.get(image).is_none_or(|&other| other < weight)))
             .collect();
-        Self { start: Arc::clone(start), weights, mirrors, pivot }
+        Self { now: HairMesh::clone(start), start: Arc::clone(start), weights, mirrors, pivot, relaxer: None }
     }
 
     pub fn is_empty(&self) -> bool {
@@ -103,8 +106,32 @@ impl VertexDrag {
     }
 
     /// Where the motion takes everything that it can move, moved or not: always the same vertices, in the same
-    /// order, so that the steps of one drag overwrite each other.
-    pub fn places(&self, motion: VertexMotion, limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
+    /// order, so that the steps of one drag overwrite each other. The inside is placed as well as a frame needs.
+    pub fn places(&mut self, motion: VertexMotion, limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
+        let held = self.held(motion, limits);
+        self.placed(held, limits.relaxes, Accuracy::Drag)
+    }
+
+    /// As [`VertexDrag::places`], without what stays where it was, and the inside as exactly as can be.
+    pub fn changes(&mut self, motion: VertexMotion, limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
+        let held = self.held(motion, limits);
+        self.changed(held, limits.relaxes)
+    }
+
+    /// Everything that is held onto the head, at `clearance`; roots exactly onto it.
+    pub fn onto(&mut self, head: &MeshQuery, clearance: f32, relaxes: bool) -> Vec<(VertexId, Vec3)> {
+        let limits = Limits { head: Some(head), clearance, relaxes };
+        let onto_head = |&(id, _): &(VertexId, f32)| {
+            let p = self.start.position(id)?;
+            let nearest = head.closest(p).position;
+            Some((id, limits.keep(id, nearest + 1e-3 * (p - nearest).normalize_or(Vec3::Y))))
+        };
+        let held = self.weights.iter().filter_map(onto_head).collect();
+        self.changed(held, relaxes)
+    }
+
+    /// Where the hand takes what it holds, and the mirror images.
+    fn held(&self, motion: VertexMotion, limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
         let mut held: Vec<(VertexId, Vec3)> = Vec::with_capacity(self.weights.len());
         for (&(id, weight), image) in self.weights.iter().zip(&self.mirrors) {
             let Some(p) = self.start.position(id) else { continue };
@@ -114,30 +141,32 @@ impl VertexDrag {
                 held.push((*image, limits.keep(*image, place * Vec3::new(-1.0, 1.0, 1.0))));
             }
         }
-        self.start.placed(&held, limits.relaxes)
+        held
     }
 
-    /// As [`VertexDrag::places`], without what stays where it was.
-    pub fn changes(&self, motion: VertexMotion, limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
-        let mut places = self.places(motion, limits);
+    fn changed(&mut self, held: Vec<(VertexId, Vec3)>, relaxes: bool) -> Vec<(VertexId, Vec3)> {
+        let mut places = self.placed(held, relaxes, Accuracy::Full);
         places.retain(|(id, place)| self.start.position(*id) != Some(*place));
         places
     }
 
-    /// Everything that is held onto the head, at `clearance`; roots exactly onto it.
-    pub fn onto(&self, head: &MeshQuery, clearance: f32, relaxes: bool) -> Vec<(VertexId, Vec3)> {
-        let limits = Limits { head: Some(head), clearance, relaxes };
-        let held: Vec<(VertexId, Vec3)> = self
-            .weights
-            .iter()
-            .filter_map(|&(id, _)| {
-                let p = self.start.position(id)?;
-                let nearest = head.closest(p).position;
-                Some((id, limits.keep(id, nearest + 1e-3 * (p - nearest).normalize_or(Vec3::Y))))
-            })
-            .collect();
-        let mut places = self.start.placed(&held, relaxes);
-        places.retain(|(id, place)| self.start.position(*id) != Some(*place));
+    fn placed(&mut self, held: Vec<(VertexId, Vec3)>, relaxes: bool, accuracy: Accuracy) -> Vec<(VertexId, Vec3)> {
+        let mut places = held;
+        for &(id, p) in &places {
+            self.now.layers[id.layer].positions[id.vertex as usize] = p;
+        }
+        if !relaxes {
+            return places;
+        }
+        let relaxer = self.relaxer.get_or_insert_with(|| {
+            let mut fixed = self.start.fixed_vertices();
+            for (id, _) in &places {
+                fixed[id.layer][id.vertex as usize] = true;
+            }
+            Relaxer::with_fixed(&self.start, |layer, vertex| fixed[layer][vertex as usize])
+        });
+        relaxer.relax(&mut self.now, accuracy);
+        places.extend(relaxer.free().filter_map(|id| Some((id, self.now.position(id)?))));
         places
     }
 
@@ -215,37 +244,22 @@ impl Limits<'_> {
 }
 
 impl HairMesh {
-    /// Vertices at places of their own, kept within limits, and where the inside is then.
-    pub fn with_vertices_at(&self, held: &[(VertexId, Vec3)], limits: Limits<'_>) -> Vec<(VertexId, Vec3)> {
-        let held: Vec<(VertexId, Vec3)> = held.iter().map(|&(id, p)| (id, limits.keep(id, p))).collect();
-        self.placed(&held, limits.relaxes)
-    }
-
-    /// The held vertices' places and, where the inside follows, those of all inner vertices that are not pinned.
-    fn placed(&self, held: &[(VertexId, Vec3)], relaxes: bool) -> Vec<(VertexId, Vec3)> {
-        if !relaxes {
-            return held.to_vec();
-        }
-        let mut mesh = self.clone();
-        let mut ids: Vec<VertexId> = Vec::with_capacity(held.len());
-        for &(id, p) in held {
-            mesh.layers[id.layer].positions[id.vertex as usize] = p;
-            ids.push(id);
-        }
-        ids.sort_unstable();
-        let external = self.external_vertices();
-        let is_free = |id: VertexId| {
-            !external[id.layer][id.vertex as usize] && !self.is_pinned(id) && ids.binary_search(&id).is_err()
-        };
-        mesh.relax(|layer, vertex| !is_free(VertexId { layer, vertex }));
-        let mut places = held.to_vec();
-        for (layer, positions) in mesh.layers.iter().enumerate().skip(1) {
-            for (vertex, &p) in positions.positions.iter().enumerate() {
-                let id = VertexId { layer, vertex: vertex as u32 };
-                if is_free(id) {
-                    places.push((id, p));
-                }
+    /// Outer vertices at places of their own, kept within limits, and where the inside is then. `relaxer` is the
+    /// mesh's own ([`Relaxer::new`]).
+    pub fn with_outer_at(
+        &self,
+        held: &[(VertexId, Vec3)],
+        limits: Limits<'_>,
+        relaxer: &Relaxer,
+    ) -> Vec<(VertexId, Vec3)> {
+        let mut places: Vec<(VertexId, Vec3)> = held.iter().map(|&(id, p)| (id, limits.keep(id, p))).collect();
+        if limits.relaxes {
+            let mut mesh = self.clone();
+            for &(id, p) in &places {
+                mesh.layers[id.layer].positions[id.vertex as usize] = p;
             }
+            relaxer.relax(&mut mesh, Accuracy::Drag);
+            places.extend(relaxer.free().filter_map(|id| Some((id, mesh.position(id)?))));
         }
         places
     }
@@ -306,11 +320,11 @@ mod tests {
 
     #[test]
     fn a_hard_drag_moves_what_is_selected_and_a_soft_one_less_of_the_rest() {
-        let (mesh, hard) = drag(None);
+        let (mesh, mut hard) = drag(None);
         let places = hard.places(VertexMotion::Move(Vec3::Y), Limits::default());
         let top = vertex(&mesh, 4, 1.0, 1.0);
         assert_eq!(places, [(top, mesh.position(top).unwrap() + Vec3::Y)]);
-        let (mesh, soft) = drag(Some((2.0, Falloff::Smooth)));
+        let (mesh, mut soft) = drag(Some((2.0, Falloff::Smooth)));
         let places = soft.places(VertexMotion::Move(Vec3::Y), Limits::default());
         let beside = vertex(&mesh, 4, 2.0, 1.0);
         assert!((after(&mesh, &places, beside).y - mesh.position(beside).unwrap().y - 0.5).abs() < 1e-6);
@@ -322,7 +336,7 @@ mod tests {
     fn turning_scaling_and_sliding_do_what_they_say() {
         let mesh = Arc::new(straight_grid(3, 4));
         let tips: Vec<VertexId> = (0..16).map(|vertex| VertexId { layer: 4, vertex }).collect();
-        let drag = VertexDrag::new(&mesh, &tips, &[], None, |_| None);
+        let mut drag = VertexDrag::new(&mesh, &tips, &[], None, |_| None);
         assert_eq!(drag.pivot, Vec3::new(1.5, 4.0, 1.5));
         let motion = VertexMotion::Rotate { axis: Vec3::Y, angle: std::f32::consts::FRAC_PI_2 };
         let turned = drag.places(motion, Limits::default());
@@ -335,7 +349,7 @@ mod tests {
         assert!(after(&mesh, &out, vertex(&mesh, 4, 0.0, 0.0)).distance(Vec3::new(0.0, 5.5, 0.0)) < 1e-5);
         let longer = drag.places(VertexMotion::Extend(2.0), Limits::default());
         assert!(after(&mesh, &longer, vertex(&mesh, 4, 3.0, 0.0)).distance(Vec3::new(3.0, 6.0, 0.0)) < 1e-5);
-        let root = VertexDrag::new(&mesh, &[VertexId { layer: 1, vertex: 0 }], &[], None, |_| None);
+        let mut root = VertexDrag::new(&mesh, &[VertexId { layer: 1, vertex: 0 }], &[], None, |_| None);
         let low = root.places(VertexMotion::Slide(-9.0), Limits::default());
         assert!(low[0].1.y > 0.05, "a layer does not slide into the root: {}", low[0].1);
     }
@@ -353,7 +367,7 @@ mod tests {
             Some(VertexId { vertex: at as u32, ..id }).filter(|image| *image != id)
         };
         let wall: Vec<VertexId> = (1..4).map(|layer| vertex(&mesh, layer, -2.0, 1.0)).collect();
-        let drag = VertexDrag::new(&mesh, &wall, &[], None, image);
+        let mut drag = VertexDrag::new(&mesh, &wall, &[], None, image);
         let limits = Limits { relaxes: true, ..Limits::default() };
         let places = drag.places(VertexMotion::Move(Vec3::new(-1.0, 0.0, 0.0)), limits);
         let right = vertex(&mesh, 2, 2.0, 1.0);
@@ -371,7 +385,7 @@ mod tests {
         }
         let mesh = Arc::new(mesh);
         let ids = [vertex(&mesh, 2, 1.0, 1.0), vertex(&mesh, 0, 1.0, 1.0)];
-        let drag = VertexDrag::new(&mesh, &ids, &[], None, |_| None);
+        let mut drag = VertexDrag::new(&mesh, &ids, &[], None, |_| None);
         let limits = Limits { head: Some(&ball), clearance: 0.5, relaxes: false };
         for by in [Vec3::new(0.0, -3.0, 0.0), Vec3::new(2.0, -4.0, 1.0)] {
             let places = drag.places(VertexMotion::Move(by), limits);

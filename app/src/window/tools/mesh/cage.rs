@@ -7,7 +7,9 @@ use glam::Vec3;
 use lorelei_core::hair_mesh::{HairMesh, OuterSurface, VertexId};
 use lorelei_core::mesh_query::MeshQuery;
 
-use super::selection::{Element, FaceId, MeshSelection, Picked, all_faces, corners};
+use lorelei_core::hair_mesh::select::FaceId;
+
+use super::selection::{Element, MeshSelection, Picked, all_faces, corners};
 use crate::window::theme;
 use crate::window::tools::View;
 
@@ -182,7 +184,7 @@ impl Cage {
                 continue;
             };
             let is_at_front = edge.faces.iter().any(|&face| seen.front[face as usize]);
-            let is_seen = display.is_x_ray || (is_at_front && (a_free || b_free));
+            let is_seen = display.is_x_ray || (is_at_front && a_free && b_free);
             let is_selected = match selection.element {
                 Element::Edges => selection.edges.contains(&edge.ends),
                 Element::Vertices | Element::Faces => edge.ends.iter().all(|end| selection.vertices.contains(end)),
@@ -204,7 +206,8 @@ impl Cage {
             }
             let is_hovered = hovered == Some(Picked::Vertex(id));
             let colour = match (is_selected, mesh.is_pinned(id)) {
-                (true, _) => SELECTED,
+                (true, _) if *is_free => SELECTED,
+                (true, _) => SELECTED.gamma_multiply(0.3),
                 (false, true) => PINNED,
                 (false, false) => FREE,
             };
@@ -216,7 +219,9 @@ impl Cage {
             } else {
                 1.5
             };
-            painter.circle_filled(*place, radius + 1.0, Color32::from_black_alpha(140));
+            if *is_free {
+                painter.circle_filled(*place, radius + 1.0, Color32::from_black_alpha(140));
+            }
             painter.circle_filled(*place, radius, if is_hovered { Color32::WHITE } else { colour });
         }
         for (id, place) in &seen.inside {

@@ -151,7 +151,7 @@ impl MeshTool {
 
     /// End a grab: its step then holds what has moved and nothing more.
     fn keep(&mut self, desk: &mut Desk, layer_idx: usize, motion: Option<VertexMotion>) {
-        let Some(grab) = self.grab.take() else { return };
+        let Some(mut grab) = self.grab.take() else { return };
         if std::mem::take(&mut self.has_moved) {
             desk.document.take_back();
         }
@@ -174,7 +174,9 @@ impl MeshTool {
         };
         if response.double_clicked() && !modifiers.alt {
             let command = if modifiers.command { MeshCommand::Ring } else { MeshCommand::Loop };
-            let _ = (mesh, command);
+            if let Err(why) = self.selection.spread(mesh, command) {
+                self.refuse(why);
+            }
         } else if response.clicked() && !modifiers.alt {
             let picked: Vec<Picked> = hovered.into_iter().collect();
             // A click on what is selected already, with Shift, takes it out.

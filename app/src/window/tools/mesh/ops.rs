@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Layer, Source};
-use lorelei_core::hair_mesh::{FaceCut, HairMesh, MeshOp, OuterSurface, VertexDrag, VertexId, VertexMotion};
+use lorelei_core::hair_mesh::scalp::scalp_triangles;
+use lorelei_core::hair_mesh::select::FaceId;
+use lorelei_core::hair_mesh::symmetry::{MIRROR_TOLERANCE_CM, MirrorPairs, Side};
+use lorelei_core::hair_mesh::{Along, FaceCut, HairMesh, MeshOp, OuterSurface, VertexDrag, VertexId, VertexMotion};
 use lorelei_core::history::Merge;
+use lorelei_core::style::presets::presets;
 
 use super::commands::MeshCommand;
 use super::grab::{Grab, GrabKind};
@@ -76,8 +80,12 @@ impl MeshTool {
             | MeshCommand::Ring
             | MeshCommand::Bundle
             | MeshCommand::Layer
-            | MeshCommand::Linked
-            | MeshCommand::Mirror => return self.refuse("this selection is not there yet"),
+            | MeshCommand::Linked => {
+                if let Err(why) = self.selection.spread(&mesh, command) {
+                    self.refuse(why);
+                }
+                return;
+            }
             MeshCommand::Move => return self.grab(&mesh, GrabKind::Move),
             MeshCommand::Rotate => return self.grab(&mesh, GrabKind::Rotate),
             MeshCommand::Scale => return self.grab(&mesh, GrabKind::Scale),
@@ -88,9 +96,12 @@ impl MeshTool {
             MeshCommand::ToggleXRay => return self.settings.display.is_x_ray ^= true,
             MeshCommand::PushBrush => return self.settings.is_pushing ^= true,
             MeshCommand::SnapToHead => return self.snap(desk, layer_idx, &mesh),
-            MeshCommand::Extrude => MeshOp::Extrude {
+            MeshCommand::Extrude | MeshCommand::ExtrudeDown => MeshOp::Extrude {
                 bundles: bundles(),
-                along: settings.along(),
+                along: match command {
+                    MeshCommand::ExtrudeDown => Along::Gravity { pull: settings.pull },
+                    _ => settings.along(),
+                },
                 length_cm: settings.length,
                 n_layers: settings.n_layers,
                 weld: settings.weld,
@@ -125,6 +136,7 @@ impl MeshTool {
             }
             MeshCommand::Pin => MeshOp::SetPinned { vertices: vertices(), pinned: true },
             MeshCommand::Unpin => MeshOp::SetPinned { vertices: vertices(), pinned: false },
+            MeshCommand::Mirror => MeshOp::Mirror { from: Side::PlusX, tolerance_cm: MIRROR_TOLERANCE_CM },
         };
         let is_extrusion = matches!(op, MeshOp::Extrude { .. });
         self.do_op(desk, layer_idx, Command::Mesh(command).row().label, op);
@@ -143,18 +155,28 @@ impl MeshTool {
         let Some(Source::HairMesh(mesh)) = desk.document.groom.layers.get(layer_idx).map(|layer| &layer.source) else {
             return;
         };
-        let mut changed = HairMesh::clone(mesh);
-        let report = match changed.apply(&op) {
-            Ok(report) => report,
-            Err(why) => return self.refuse(&why.to_string()),
+        let ops = if self.settings.is_symmetric {
+            MirrorPairs::of(mesh, MIRROR_TOLERANCE_CM).with_mirror(&op)
+        } else {
+            vec![op.clone()]
         };
         let selects_new = matches!(
             op,
             MeshOp::Extrude { .. } | MeshOp::InsertLayer { .. } | MeshOp::DivideFace { .. } | MeshOp::DivideEdge { .. }
         );
-        let before = self.selection.clone();
-        desk.document.edit(label, Edit::HairMesh { layer_idx, op: op.clone() }, Merge::New);
-        self.selection.follow(&changed, &report, selects_new);
+        // Tried on a copy first: what is refused must not leave half of it done.
+        let mut changed = HairMesh::clone(mesh);
+        let mut selection = self.selection.clone();
+        for op in &ops {
+            match changed.apply(op) {
+                Ok(report) => selection.follow(&changed, &report, selects_new),
+                Err(why) => return self.refuse(&why.to_string()),
+            }
+        }
+        let mut edits: Vec<Edit> = ops.into_iter().map(|op| Edit::HairMesh { layer_idx, op }).collect();
+        let edit = if edits.len() == 1 { edits.remove(0) } else { Edit::Batch(edits) };
+        desk.document.edit(label, edit, Merge::New);
+        let before = std::mem::replace(&mut self.selection, selection);
         self.last = Some(LastOp { layer_idx, label: label.to_owned(), op, before, state: desk.document.state() });
     }
 
@@ -207,7 +229,7 @@ impl MeshTool {
 
     fn snap(&mut self, desk: &mut Desk, layer_idx: usize, mesh: &Arc<HairMesh>) {
         let Some(head) = self.head.clone() else { return self.refuse("there is no head to snap to") };
-        let drag = self.drag_of(mesh, false);
+        let mut drag = self.drag_of(mesh, false);
         let places = drag.onto(&head, self.settings.clearance, self.settings.relaxes);
         desk.document.edit("Snap to the head", Edit::MoveVertices { layer_idx, moves: places }, Merge::New);
     }
@@ -216,7 +238,8 @@ impl MeshTool {
     pub fn drag_of(&self, mesh: &Arc<HairMesh>, is_soft: bool) -> VertexDrag {
         let selected: Vec<VertexId> = self.selection.vertices.iter().copied().collect();
         let soft = is_soft.then_some((self.settings.soft_radius, self.settings.soft_falloff));
-        VertexDrag::new(mesh, &selected, &self.cage.outer.vertices, soft, |_| None)
+        let pairs = self.settings.is_symmetric.then(|| MirrorPairs::of(mesh, MIRROR_TOLERANCE_CM));
+        VertexDrag::new(mesh, &selected, &self.cage.outer.vertices, soft, |id| pairs.as_ref()?.vertex(id))
     }
 
     pub fn grab(&mut self, mesh: &Arc<HairMesh>, kind: GrabKind) {
@@ -229,13 +252,14 @@ impl MeshTool {
 
     /// Show where a grab takes everything, as one growing step.
     pub fn move_to(&mut self, desk: &mut Desk, layer_idx: usize, motion: VertexMotion) {
-        let Some(grab) = &self.grab else { return };
+        let Some(mut grab) = self.grab.take() else { return };
         let moves = grab.drag.places(motion, self.limits());
         let label = format!("{} {} vertices", grab.kind.label(), grab.drag.weights().len());
         // All of a drag's steps move the same vertices, so that they join.
         let merge = Merge::Drag(DRAGS + self.n_grabs);
         desk.document.edit(&label, Edit::MoveVertices { layer_idx, moves }, merge);
         self.has_moved = true;
+        self.grab = Some(grab);
     }
 }
 
@@ -247,19 +271,21 @@ pub fn new_on_scalp(tool: &mut MeshTool, desk: &mut Desk) {
     let Some(head) = desk.document.groom.head.clone() else {
         return tool.refuse("there is no head: import one, or use the mannequin");
     };
-    let _ = &head;
-    match HairMesh::from_polygons(Vec::new(), Vec::new()) {
+    match HairMesh::on_scalp(&head.mesh, &scalp_triangles(&head.mesh), tool.settings.new_spacing) {
         Ok(mesh) => {
             let layer_idx = desk.document.groom.layers.len();
-            let layer = Layer::new("Hair mesh", Source::HairMesh(Arc::new(mesh.clone())));
+            let mut layer = Layer::new("Hair mesh", Source::HairMesh(Arc::new(mesh.clone())));
+            // Hair without any style looks like plastic; the artist goes on from here.
+            if let Some(plain) = presets().first() {
+                layer.style = plain.for_strands(layer.n_strands);
+            }
             let edit = Edit::AddLayer { layer_idx, layer: Box::new(layer) };
             desk.document.edit("New hair mesh", edit, Merge::New);
             desk.selection = Selection::Layer(layer_idx);
             tool.selection = MeshSelection { element: Element::Faces, ..MeshSelection::default() };
             let roots = OuterSurface::of(&mesh).faces.into_iter();
-            let roots: Vec<Picked> = roots
-                .map(|face| Picked::Face(super::selection::FaceId { layer: face.layer, bundle: face.bundle }))
-                .collect();
+            let roots: Vec<Picked> =
+                roots.map(|face| Picked::Face(FaceId { layer: face.layer, bundle: face.bundle })).collect();
             tool.selection.join(&mesh, &roots, Join::Replace);
         }
         Err(why) => tool.refuse(&why.to_string()),

@@ -118,6 +118,7 @@ impl MeshTool {
             desk,
             &[
                 MeshCommand::Extrude,
+                MeshCommand::ExtrudeDown,
                 MeshCommand::DeleteTips,
                 MeshCommand::DeleteBundles,
                 MeshCommand::InsertLayer,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use egui::{Color32, Ui};
 use glam::Vec3;
 use lorelei_core::edit::Edit;
-use lorelei_core::hair_mesh::{HairMesh, VertexId};
+use lorelei_core::hair_mesh::{HairMesh, Relaxer, VertexId};
 use lorelei_core::history::Merge;
 
 use super::MeshTool;
@@ -20,6 +20,8 @@ use crate::window::tools::{View, brush_input};
 #[derive(Default)]
 pub struct PushStroke {
     last: Option<Vec3>,
+    /// Of the mesh that was pushed last.
+    relaxer: Option<Relaxer>,
 }
 
 impl PushStroke {
@@ -85,7 +87,14 @@ impl MeshTool {
         if held.is_empty() {
             return true;
         }
-        let moves = mesh.with_vertices_at(&held, self.limits());
+        let relaxer = self.push.relaxer.take().filter(|known| known.fits(mesh)).unwrap_or_else(|| Relaxer::new(mesh));
+        let mut moves = mesh.with_outer_at(&held, self.limits(), &relaxer);
+        // The steps of a stroke join where each writes what the others wrote: all of the surface, moved or not.
+        let still = self.cage.outer.vertices.iter().filter(|id| id.layer > 0);
+        let still: Vec<VertexId> = still.copied().filter(|id| held.iter().all(|(touched, _)| touched != id)).collect();
+        moves.extend(still.into_iter().filter_map(|id| Some((id, mesh.position(id)?))));
+        moves.sort_unstable_by_key(|(id, _)| *id);
+        self.push.relaxer = Some(relaxer);
         let label = if modifiers.shift { "Smooth brush" } else { "Push brush" };
         desk.document.edit(label, Edit::MoveVertices { layer_idx, moves }, Merge::Drag(DRAGS + self.n_grabs));
         true

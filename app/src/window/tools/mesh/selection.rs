@@ -2,7 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use lorelei_core::hair_mesh::select::{self, FaceId, Links};
 use lorelei_core::hair_mesh::{EdgeId, HairMesh, Report, VertexId};
+
+use super::commands::MeshCommand;
 
 /// What a click takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -23,13 +26,6 @@ impl Element {
             Self::Faces => "Faces",
         }
     }
-}
-
-/// A face by its layer and bundle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FaceId {
-    pub layer: usize,
-    pub bundle: usize,
 }
 
 /// How what is clicked joins what is selected.
@@ -149,6 +145,63 @@ impl MeshSelection {
             self.faces = faces;
             self.update_vertices(mesh);
         }
+    }
+
+    /// Grow, shrink or follow the mesh from what is selected; says why where that has no meaning.
+    pub fn spread(&mut self, mesh: &HairMesh, command: MeshCommand) -> Result<(), &'static str> {
+        let links = Links::of(mesh);
+        let is_faces = self.element == Element::Faces;
+        let vertices = match command {
+            MeshCommand::Grow if is_faces => select::vertices_of_faces(mesh, &select::grow_faces(mesh, &self.faces)),
+            MeshCommand::Shrink if is_faces => {
+                self.faces = select::shrink_faces(mesh, &self.faces);
+                self.update_vertices(mesh);
+                return Ok(());
+            }
+            MeshCommand::Grow => links.grow(&self.vertices),
+            MeshCommand::Shrink => links.shrink(&self.vertices),
+            MeshCommand::Linked => links.linked(&self.vertices),
+            MeshCommand::Bundle => {
+                let bundles: BTreeSet<usize> =
+                    self.vertices.iter().flat_map(|&id| mesh.faces_at(id).map(|(bundle, _)| bundle)).collect();
+                let bundles = if is_faces { self.faces.iter().map(|face| face.bundle).collect() } else { bundles };
+                select::vertices_of_faces(mesh, &select::faces_of_bundles(mesh, &bundles))
+            }
+            MeshCommand::Layer => {
+                let layers: BTreeSet<usize> = self.vertices.iter().map(|id| id.layer).collect();
+                let faces = layers.iter().flat_map(|&layer| select::faces_of_layer(mesh, layer)).collect();
+                select::vertices_of_faces(mesh, &faces)
+            }
+            MeshCommand::Loop | MeshCommand::Ring => return self.follow_edges(mesh, &links, command),
+            _ => return Ok(()),
+        };
+        self.select_vertices(mesh, vertices);
+        Ok(())
+    }
+
+    /// The loops or rings of the selected edges; without an edge, the hair through each selected vertex.
+    fn follow_edges(&mut self, mesh: &HairMesh, links: &Links, command: MeshCommand) -> Result<(), &'static str> {
+        if self.element == Element::Faces {
+            return Err("loops and rings are of edges: take edges (2) or vertices (1) first");
+        }
+        let within: Vec<EdgeId> = self.edges_within(mesh);
+        let mut vertices = self.vertices.clone();
+        if command == MeshCommand::Ring {
+            let ring: BTreeSet<EdgeId> = within.iter().flat_map(|&edge| links.edge_ring(mesh, edge)).collect();
+            vertices.extend(ring.iter().flat_map(|edge| edge.vertices()));
+            if self.element == Element::Edges {
+                self.edges.extend(ring.iter().map(|edge| edge.vertices()));
+                self.update_vertices(mesh);
+                return Ok(());
+            }
+        } else if within.is_empty() {
+            vertices.extend(self.vertices.iter().flat_map(|&id| links.chain(id)));
+        } else {
+            let along: BTreeSet<EdgeId> = within.iter().flat_map(|&edge| links.edge_loop(edge)).collect();
+            vertices.extend(along.iter().flat_map(|edge| edge.vertices()));
+        }
+        self.select_vertices(mesh, vertices);
+        Ok(())
     }
 
     /// Bundles that have a selected face, or all their tip's corners selected; rising.

@@ -1,0 +1,160 @@
+//! `lorelei measure`: what this machine needs for the studio's work on a groom, without a window.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use lorelei_core::binding::bind_layer;
+use lorelei_core::edit::Edit;
+use lorelei_core::generate::{Pose, generate};
+use lorelei_core::groom::{Groom, Layer, Source};
+use lorelei_core::hair_mesh::{Accuracy, Along, HairMesh, MeshOp, Relaxer, VertexId, Weld};
+use lorelei_core::history::{History, Merge};
+use serde_json::{Value, json};
+
+use super::{CliError, print_line};
+
+#[derive(Debug, clap::Args)]
+pub struct MeasureArguments {
+    /// What to measure.
+    #[arg(value_enum)]
+    what: What,
+    /// As JSON: an array of {what, n, ms, note}.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum What {
+    /// Relaxing, tracing, moving vertices, strokes and undo.
+    Grooming,
+}
+
+/// One line of the table.
+struct Line {
+    what: &'static str,
+    /// Vertices, strands or texels.
+    n: usize,
+    ms: f64,
+    note: String,
+}
+
+const N_ROUNDS: usize = 7;
+
+pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
+    let lines = match arguments.what {
+        What::Grooming => grooming()?,
+    };
+    if arguments.json {
+        let all: Vec<Value> = lines
+            .iter()
+            .map(|line| json!({"what": line.what, "n": line.n, "ms": line.ms, "note": line.note}))
+            .collect();
+        return print_line(&serde_json::to_string_pretty(&all).map_err(CliError::failed)?);
+    }
+    print_line(&format!("{:<44} {:>9} {:>10}", "", "n", "ms"))?;
+    for Line { what, n, ms, note } in lines {
+        print_line(&format!("{what:<44} {n:>9} {ms:>10.3}  {note}"))?;
+    }
+    Ok(())
+}
+
+fn grooming() -> Result<Vec<Line>, CliError> {
+    let mut lines = Vec::new();
+    for n_vertices in [1_000, 10_000, 100_000] {
+        relax(n_vertices, &mut lines)?;
+    }
+    trace(&mut lines)?;
+    Ok(lines)
+}
+
+/// Median of a few runs, milliseconds.
+fn median_ms(n_rounds: usize, mut work: impl FnMut()) -> f64 {
+    let mut all: Vec<f64> = (0..n_rounds)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    all[all.len() / 2]
+}
+
+/// A square of quads with nine layers above, of about so many vertices.
+fn block(n_vertices: usize) -> Result<HairMesh, CliError> {
+    let side = ((n_vertices as f64 / 10.0).sqrt().round() as u32).max(2);
+    let positions = (0..side * side).map(|i| Vec3::new((i % side) as f32, 0.0, (i / side) as f32)).collect();
+    let faces = (0..(side - 1) * (side - 1))
+        .map(|i| i % (side - 1) + side * (i / (side - 1)))
+        .map(|corner| vec![corner, corner + side, corner + side + 1, corner + 1])
+        .collect();
+    let mut mesh = HairMesh::from_polygons(positions, faces).map_err(CliError::failed)?;
+    let bundles = (0..mesh.n_bundles()).collect();
+    let along = Along::Direction(Vec3::Y);
+    mesh.apply(&MeshOp::Extrude { bundles, along, length_cm: 9.0, n_layers: 9, weld: Weld::Neighbours })
+        .map_err(CliError::failed)?;
+    Ok(mesh)
+}
+
+fn relax(n_vertices: usize, lines: &mut Vec<Line>) -> Result<(), CliError> {
+    let rest = block(n_vertices)?;
+    let n = rest.n_vertices();
+    let start = Instant::now();
+    let relaxer = Relaxer::new(&rest);
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    lines.push(Line { what: "relax: prepare, once a topology", n, ms, note: String::new() });
+    // A corner of the outside is dragged to and fro; the inside starts from where it is.
+    let mut mesh = rest.clone();
+    let top = mesh.layers.len() - 1;
+    let mut turn = 0.0_f32;
+    let mut n_iterations = 0;
+    let ms = median_ms(2 * N_ROUNDS, || {
+        turn += 0.7;
+        for layer in 1..=top {
+            mesh.layers[layer].positions[0].x = -0.3 * layer as f32 * (1.0 + turn.sin());
+        }
+        n_iterations = relaxer.relax(&mut mesh, Accuracy::Drag).n_iterations;
+    });
+    let note = format!("{n_iterations} iterations; one core");
+    lines.push(Line { what: "relax: a frame of a drag", n, ms, note });
+    Ok(())
+}
+
+fn trace(lines: &mut Vec<Line>) -> Result<(), CliError> {
+    let mut groom: Groom = lorelei_assets::default_groom();
+    groom.layers.truncate(1);
+    let layer: &Layer = &groom.layers[0];
+    let n = layer.n_strands as usize;
+    let start = Instant::now();
+    let binding = bind_layer(layer, groom.head.as_ref());
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    lines.push(Line { what: "strands: roots, weights and clumps", n, ms, note: "all cores".to_owned() });
+    let pose = Pose::default();
+    let ms = median_ms(3, || drop(generate(&binding, layer, &binding.guides.positions, &pose)));
+    lines.push(Line { what: "strands: traced and styled on the CPU", n, ms, note: "all cores".to_owned() });
+    let Source::HairMesh(mesh) = &layer.source else {
+        return Err(CliError::Failed("the default groom is not made of a hair mesh".to_owned()));
+    };
+    let moved = HairMesh::clone(mesh);
+    let ms = median_ms(N_ROUNDS, || drop(binding.moved(&moved)));
+    lines.push(Line { what: "a vertex moved: what the strands hang on", n, ms, note: String::new() });
+
+    let mut history = History::default();
+    let n_vertices = mesh.n_vertices();
+    let id = VertexId { layer: 3, vertex: 0 };
+    let place = mesh.position(id).unwrap_or_default();
+    let mut x = 0.0;
+    let mut failed = None;
+    let ms = median_ms(101, || {
+        x += 0.01;
+        let moves = vec![(id, place + Vec3::X * x)];
+        let edit = Edit::MoveVertices { layer_idx: 0, moves };
+        failed = history.apply(&mut groom, "move", edit, Merge::New).err().or(failed.take());
+    });
+    if let Some(why) = failed {
+        return Err(CliError::failed(why));
+    }
+    let note = format!("{} bytes of undo for 101 steps", history.n_bytes());
+    lines.push(Line { what: "edit: a vertex moved, with its inverse", n: n_vertices, ms, note });
+    Ok(())
+}
