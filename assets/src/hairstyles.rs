@@ -8,15 +8,20 @@ use lorelei_core::look::Look;
 use crate::head::mannequin;
 
 /// Key and file of each style; the first is the default.
-const STYLES: [(&str, &[u8]); 3] = [
+const STYLES: [(&str, &[u8]); 8] = [
     ("long", include_bytes!("../hairstyles/long.lorelei")),
     ("bob", include_bytes!("../hairstyles/bob.lorelei")),
     ("curls", include_bytes!("../hairstyles/curls.lorelei")),
+    ("crop", include_bytes!("../hairstyles/crop.lorelei")),
+    ("ponytail", include_bytes!("../hairstyles/ponytail.lorelei")),
+    ("bun", include_bytes!("../hairstyles/bun.lorelei")),
+    ("braid", include_bytes!("../hairstyles/braid.lorelei")),
+    ("knot", include_bytes!("../hairstyles/knot.lorelei")),
 ];
 
 /// Keys that [`hairstyle`] knows; the first is the default.
 pub fn hairstyle_names() -> &'static [&'static str] {
-    &["long", "bob", "curls"]
+    &["long", "bob", "curls", "crop", "ponytail", "bun", "braid", "knot"]
 }
 
 /// Key of the head without hair: where a style of one's own begins.
@@ -79,7 +84,10 @@ mod tests {
                 assert!((100..=250).contains(&mesh.n_bundles()), "{key}: {} bundles", mesh.n_bundles());
             }
             let Source::HairMesh(mesh) = &groom.layers[0].source else { unreachable!() };
-            assert!((6..=10).contains(&mesh.layers.len()), "{key}: {} layers", mesh.layers.len());
+            // What is led around something needs a layer for each bend: eight and more for a turn.
+            let is_led = ["ponytail", "bun", "braid", "knot"].contains(key);
+            let n_layers = if is_led { 12..=56 } else { 6..=10 };
+            assert!(n_layers.contains(&mesh.layers.len()), "{key}: {} layers", mesh.layers.len());
         }
         assert!(hairstyle("mullet").is_none());
         assert_eq!(default_groom(), hairstyle(hairstyle_names()[0]).unwrap());

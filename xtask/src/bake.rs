@@ -14,8 +14,8 @@ mod unwrap;
 
 use std::path::Path;
 
-/// Bake everything into `assets/`.
-pub fn bake(_args: &[String]) -> Result<(), String> {
+/// Bake everything into `assets/`, or the head and the hairstyles that are named.
+pub fn bake(keys: &[String]) -> Result<(), String> {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("assets");
     let mannequin = mannequin::Mannequin::new();
     let head = head::head(&mannequin);
@@ -24,7 +24,7 @@ pub fn bake(_args: &[String]) -> Result<(), String> {
         println!("  {}: {} triangles", group.name, group.triangles.len());
     }
     write(&assets.join("head.glb"), &glb::to_glb(&head, "mannequin"))?;
-    for (key, groom) in hairstyle::all(&head)? {
+    for (key, groom) in hairstyle::all(&head, keys)? {
         let path = assets.join("hairstyles").join(format!("{key}.lorelei"));
         lorelei_core::document::save(&groom, &path).map_err(|error| error.to_string())?;
         println!("wrote {}", path.display());

@@ -68,14 +68,6 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         println!("  {} ms  {what}", Spread::of(times));
     }
 
-    println!("Work on a groom (lorelei measure grooming):");
-    let measured = Command::new(binary("release", "lorelei")).args(["measure", "grooming"]).output();
-    let measured = measured.map_err(|why| format!("lorelei could not be started: {why}"))?;
-    if !measured.status.success() {
-        return Err(format!("lorelei measure failed: {}", String::from_utf8_lossy(&measured.stderr)));
-    }
-    String::from_utf8_lossy(&measured.stdout).lines().for_each(|line| println!("  {line}"));
-
     println!("Import rate ({N_STRANDS} strands of {N_POINTS} points, lorelei info, whole process):");
     let source = out.join("bench.data");
     std::fs::write(&source, strands_file()).map_err(|why| format!("cannot write {}: {why}", source.display()))?;

@@ -24,7 +24,7 @@ Usage: cargo xtask COMMAND [-- ARGUMENTS]
   fuzz [SECONDS] [TARGET]...
                    libFuzzer over the file readers, SECONDS for each (60)
   bench            measure speed on this machine and print tables
-  bake             make the embedded head and hairstyles anew
+  bake [NAME]...   make the embedded head and hairstyles anew, or only the styles that are named
   golden COMMAND   `compare`: render the golden images here and compare; `write`: make them anew
   setup            only install what the system lacks
 ";

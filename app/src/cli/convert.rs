@@ -11,7 +11,8 @@ use crate::open;
 
 #[derive(Debug, clap::Args)]
 pub struct ConvertArguments {
-    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls.
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls,
+    /// crop, ponytail, bun, braid, knot.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// What to write; the name decides the format: .hair, .tfx, .data, .usda, .lorelei.

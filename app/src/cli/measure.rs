@@ -1,20 +1,14 @@
 //! `lorelei measure`: what this machine needs for the studio's work on a groom, without a window.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
 use lorelei_core::binding::bind_layer;
-use lorelei_core::brush::Falloff;
 use lorelei_core::edit::Edit;
 use lorelei_core::generate::{Pose, generate};
 use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::hair_mesh::{Accuracy, Along, HairMesh, MeshOp, Relaxer, VertexId, Weld};
 use lorelei_core::history::{History, Merge};
-use lorelei_core::maps::MapKind;
-use lorelei_core::maps::atlas::ScalpAtlas;
-use lorelei_core::maps::paint::{Dab, PaintMode, Place, Stroke};
-use lorelei_core::mesh_query::MeshQuery;
 use serde_json::{Value, json};
 
 use super::{CliError, print_line};
@@ -70,7 +64,6 @@ fn grooming() -> Result<Vec<Line>, CliError> {
         relax(n_vertices, &mut lines)?;
     }
     trace(&mut lines)?;
-    paint(&mut lines)?;
     Ok(lines)
 }
 
@@ -110,17 +103,15 @@ fn relax(n_vertices: usize, lines: &mut Vec<Line>) -> Result<(), CliError> {
     let relaxer = Relaxer::new(&rest);
     let ms = start.elapsed().as_secs_f64() * 1e3;
     lines.push(Line { what: "relax: prepare, once a topology", n, ms, note: String::new() });
-    // The hair at the middle of a wall is dragged to and fro; the inside starts from where it is.
+    // A corner of the outside is dragged to and fro; the inside starts from where it is.
     let mut mesh = rest.clone();
-    let on_wall = (n_vertices as f64 / 10.0).sqrt() as u32 / 2;
-    let chain = mesh.chains().chains.into_iter().find(|chain| chain[0] == on_wall).unwrap_or_default();
+    let top = mesh.layers.len() - 1;
     let mut turn = 0.0_f32;
     let mut n_iterations = 0;
     let ms = median_ms(2 * N_ROUNDS, || {
         turn += 0.7;
-        for (layer, &vertex) in chain.iter().enumerate().skip(1) {
-            // Bent: a straight hair leaned over asks nothing of its neighbours.
-            mesh.layers[layer].positions[vertex as usize].z = -0.05 * (layer * layer) as f32 * (1.0 + turn.sin());
+        for layer in 1..=top {
+            mesh.layers[layer].positions[0].x = -0.3 * layer as f32 * (1.0 + turn.sin());
         }
         n_iterations = relaxer.relax(&mut mesh, Accuracy::Drag).n_iterations;
     });
@@ -165,41 +156,5 @@ fn trace(lines: &mut Vec<Line>) -> Result<(), CliError> {
     }
     let note = format!("{} bytes of undo for 101 steps", history.n_bytes());
     lines.push(Line { what: "edit: a vertex moved, with its inverse", n: n_vertices, ms, note });
-    Ok(())
-}
-
-/// A stroke over the crown on a 1024 x 1024 map, event by event.
-fn paint(lines: &mut Vec<Line>) -> Result<(), CliError> {
-    let mut groom: Groom = lorelei_assets::default_groom();
-    let Some(head) = groom.head.clone() else { return Ok(()) };
-    let kind = MapKind::Length;
-    let map = kind.empty_map();
-    let n_texels = (map.width() * map.height()) as usize;
-    let start = Instant::now();
-    let atlas = Arc::new(ScalpAtlas::new(&head.mesh, map.width(), map.height()));
-    let ms = start.elapsed().as_secs_f64() * 1e3;
-    lines.push(Line { what: "paint: prepare, once a head", n: n_texels, ms, note: String::new() });
-    let query = MeshQuery::new(&head.mesh).map_err(CliError::failed)?;
-    let (min, max) = query.bounds();
-    let mut stroke = Stroke::new(atlas, map, &kind, Falloff::Smooth, PaintMode::Paint, 0.2);
-    let mut history = History::default();
-    let mut all_ms = Vec::new();
-    for i in 0..60 {
-        let x = min.x + (max.x - min.x) * (0.35 + 0.3 * i as f32 / 59.0);
-        let from = Vec3::new(x, max.y + 10.0, 0.5 * (min.z + max.z));
-        let Some(hit) = query.ray(from, Vec3::NEG_Y) else { continue };
-        let place = Place::Surface { centre: hit.position, radius: 3.0 };
-        let start = Instant::now();
-        let tiles = stroke.go_on(&Dab { place, strength: 0.5, eye: None, is_symmetric: true });
-        let edit = Edit::PaintTiles { layer_idx: 0, kind: kind.clone(), tiles };
-        history.apply(&mut groom, "paint", edit, Merge::Drag(1)).map_err(CliError::failed)?;
-        all_ms.push(start.elapsed().as_secs_f64() * 1e3);
-    }
-    all_ms.sort_by(f64::total_cmp);
-    let ms = all_ms.get(all_ms.len() / 2).copied().unwrap_or(0.0);
-    let worst = all_ms.last().copied().unwrap_or(0.0);
-    let note =
-        format!("worst {worst:.2} ms; {} bytes of undo for the stroke of {} events", history.n_bytes(), all_ms.len());
-    lines.push(Line { what: "paint: one event of a 3 cm brush, both sides", n: n_texels, ms, note });
     Ok(())
 }

@@ -27,7 +27,7 @@ use crate::window;
 #[command(name = "lorelei", version, args_conflicts_with_subcommands = true, after_help = AFTER_HELP)]
 struct Arguments {
     /// A groom (.lorelei), hair of another program (.hair, .tfx, .data, .bin, .ply), or an embedded style: long, bob,
-    /// curls.
+    /// curls, crop, ponytail, bun, braid, knot.
     file: Option<PathBuf>,
     /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
     #[arg(long, value_name = "MESH")]
@@ -60,7 +60,7 @@ struct Arguments {
 const AFTER_HELP: &str = "\
 Examples:
   lorelei                                              open the studio with the default groom
-  lorelei bob                                          open an embedded style: long, bob or curls
+  lorelei bob                                          open an embedded style: long, bob, curls, crop, ..
   lorelei my.lorelei                                   open a groom
   lorelei render --camera side --out side.png          render the default groom
   lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head

@@ -31,7 +31,8 @@ Centimetres, Y up, +Z front, colours linear."#;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub struct RenderArguments {
-    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls.
+    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls,
+    /// crop, ponytail, bun, braid, knot.
     /// Without it: long.
     file: Option<PathBuf>,
     /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.

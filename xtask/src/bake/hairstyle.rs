@@ -1,12 +1,19 @@
 //! The embedded hairstyles: hair meshes authored by code on the baked head.
 //!
-//! Each style is the same grid of root faces with its own rules for how a path grows from each corner;
-//! `roots.rs` lays the grid out, one file a style says the rest. A style is three or four layers: the hair
-//! itself, fly-aways that ignore its locks, and fine baby hairs along the hairline.
+//! Each style is a grid of root faces with its own rules for how a path grows from each corner: `roots.rs`
+//! lays grids out, `gather.rs` leads hair to where it is held, one file a style says the rest. A style is
+//! three or four layers: the hair itself, fly-aways that ignore its locks, and fine baby hairs along the
+//! hairline.
 
 mod bob;
+mod braid;
+mod bun;
+mod crop;
 mod curls;
+mod gather;
+mod knot;
 mod long;
+mod ponytail;
 mod roots;
 
 use std::collections::HashMap;
@@ -37,13 +44,29 @@ struct Studio {
     fly_away: Arc<ScalpMap>,
 }
 
+/// How a style is made.
+type Make = fn(&Studio) -> Result<Groom, String>;
+
 /// All styles as (key, groom without its head).
-pub fn all(head: &TriMesh) -> Result<Vec<(&'static str, Groom)>, String> {
+/// Only those of `keys`, where it names any.
+pub fn all(head: &TriMesh, keys: &[String]) -> Result<Vec<(&'static str, Groom)>, String> {
     let chart = ScalpChart::new(head).ok_or("the head has no scalp")?;
     let body = DistanceField::from_mesh(head, 112).map_err(|error| error.to_string())?;
     let (baby, fly_away) = (Arc::new(chart.baby_density()), Arc::new(chart.fly_away_density()));
     let studio = Studio { chart, body, baby, fly_away };
-    Ok(vec![("long", long::groom(&studio)?), ("bob", bob::groom(&studio)?), ("curls", curls::groom(&studio)?)])
+    let styles: [(&str, Make); 8] = [
+        ("long", long::groom),
+        ("bob", bob::groom),
+        ("curls", curls::groom),
+        ("crop", crop::groom),
+        ("ponytail", ponytail::groom),
+        ("bun", bun::groom),
+        ("braid", braid::groom),
+        ("knot", knot::groom),
+    ];
+    let is_wanted = |key: &str| keys.is_empty() || keys.iter().any(|wanted| wanted == key);
+    let wanted = styles.into_iter().filter(|(key, _)| is_wanted(key));
+    wanted.map(|(key, make)| Ok((key, make(&studio)?))).collect()
 }
 
 impl Studio {
@@ -91,6 +114,44 @@ impl Studio {
             maps: density(Arc::new(self.chart.hair_density(layout))),
             count: StrandCount::Total,
             seed: 1,
+            ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
+        }
+    }
+
+    /// Hair that is gathered, with the stack of combed hair: fine clumps within a few broad ones, a little
+    /// unrest, no two ways of the same length.
+    fn gathered_layer(&self, mesh: HairMesh, n_vertices: u32) -> Layer {
+        Layer {
+            n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
+            maps: density(Arc::new(self.chart.plain_density())),
+            seed: 1,
+            vertices_per_strand: n_vertices,
+            radius_um: 44.0,
+            tip_radius: 0.3,
+            style: vec![
+                StyleOp {
+                    strength: 0.35,
+                    ramp: 0.6,
+                    ..op(StyleKind::Clump { strands_per_clump: 260.0, flare: 0.3, stray: 0.6 })
+                },
+                StyleOp {
+                    strength: 0.6,
+                    ramp: 0.4,
+                    ..op(StyleKind::Clump { strands_per_clump: 36.0, flare: 0.3, stray: 0.7 })
+                },
+                StyleOp {
+                    ramp: 0.3,
+                    ..op(StyleKind::Frizz { amplitude: 0.16, wavelength: 6.0, strands_per_clump: 260.0 })
+                },
+                StyleOp {
+                    ramp: 0.3,
+                    ..op(StyleKind::Frizz { amplitude: 0.06, wavelength: 3.2, strands_per_clump: 36.0 })
+                },
+                StyleOp {
+                    ramp: 0.2,
+                    ..op(StyleKind::Frizz { amplitude: 0.035, wavelength: 2.4, strands_per_clump: 1.0 })
+                },
+            ],
             ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
         }
     }

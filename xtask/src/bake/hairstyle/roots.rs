@@ -221,6 +221,46 @@ impl ScalpChart {
         RootGrid { roots, faces }
     }
 
+    /// A grid without a parting: columns from a place on the scalp straight to the hairline all around it,
+    /// closed, for hair that is gathered there. The flow is towards that place.
+    pub fn grid_around(&self, centre: Vec3, n_columns: usize, n_rows: usize) -> RootGrid {
+        let total = self.length_to[self.length_to.len() - 1];
+        let centre_uv = self.uv_near(centre);
+        let mut roots = Vec::new();
+        for column in 0..n_columns {
+            let share = column as f32 / n_columns as f32;
+            let end = self.border_at(share * total);
+            let begin = centre_uv + 0.25 * self.scale * (end - centre_uv).normalize();
+            let places: Vec<(Vec3, Vec3)> =
+                (0..=n_rows).map(|row| self.at(begin.lerp(end, row as f32 / n_rows as f32))).collect();
+            for (row, &(position, normal)) in places.iter().enumerate() {
+                let (before, after) = (places[row.saturating_sub(1)].0, places[(row + 1).min(n_rows)].0);
+                let flow = (before - after).reject_from_normalized(normal).normalize_or(Vec3::Y);
+                let back = 1.0 - (2.0 * share - 1.0).abs();
+                roots.push(Root { position, normal, flow, back, along: row as f32 / n_rows as f32 });
+            }
+        }
+        let rows = n_rows as u32 + 1;
+        let mut faces = Vec::new();
+        for column in 0..n_columns as u32 {
+            let next = (column + 1) % n_columns as u32 * rows;
+            for row in 0..n_rows as u32 {
+                let corner = column * rows + row;
+                faces.push(vec![corner, corner + 1, next + row + 1, next + row]);
+            }
+        }
+        RootGrid { roots, faces }
+    }
+
+    /// Density of hair without a parting: full, thinning over an irregular centimetre to the hairline.
+    pub fn plain_density(&self) -> ScalpMap {
+        self.map(|p, _, inside| {
+            let ragged = inside + 0.35 * noise(p * 1.1) + 0.25 * noise(p * 3.1);
+            let temple = 0.3 * smoothstep(2.2, 0.0, inside) * smoothstep(1.0, 4.0, p.z);
+            smoothstep(0.0, 0.8, ragged) * (1.0 - temple)
+        })
+    }
+
     /// Hair's density: densest along the parting and at the crown, thinning over an irregular centimetre to
     /// the hairline, sparser at the temples.
     pub fn hair_density(&self, layout: &Layout) -> ScalpMap {
