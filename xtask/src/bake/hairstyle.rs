@@ -123,6 +123,7 @@ impl Studio {
     fn gathered_layer(&self, mesh: HairMesh, n_vertices: u32) -> Layer {
         Layer {
             n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
+            count: StrandCount::Total,
             maps: density(Arc::new(self.chart.plain_density())),
             seed: 1,
             vertices_per_strand: n_vertices,
