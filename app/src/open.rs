@@ -2,9 +2,11 @@
 //! window and the command line open the same things in the same way.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use lorelei_core::document::DocumentError;
-use lorelei_core::groom::{Groom, Head};
+use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::{self, Contents, GroomImport, ImportOptions, ReadError, Watch};
 
 /// A groom with what is to be told about it.
@@ -76,6 +78,34 @@ pub fn document(path: &Path, watch: Watch<'_>) -> Result<(Groom, Vec<String>), D
     let mut groom = lorelei_core::document::open_watched(path, watch)?;
     let notes = lorelei_assets::complete(&mut groom).into_iter().collect();
     Ok((groom, notes))
+}
+
+/// Read polygons as a layer with a hair mesh that stands on `head`, with what was found in the file.
+pub fn hair_mesh_layer(
+    path: &Path,
+    head: &Head,
+    options: ImportOptions,
+    watch: Watch<'_>,
+) -> Result<(Layer, Vec<String>), ReadError> {
+    let import = io::read_hair_mesh(path, Some(&head.mesh), options, watch)?;
+    let mut notes = vec![import.space_reason];
+    notes.extend(import.found);
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let layer = Layer { read_as: Some(import.space), ..Layer::new(&name, Source::HairMesh(Arc::new(import.mesh))) };
+    Ok((layer, notes))
+}
+
+/// The hair mesh of the chosen layer, or the first that there is.
+pub fn hair_mesh_of(groom: &Groom, layer_idx: Option<usize>) -> Option<&HairMesh> {
+    let of_layer = |layer: &'_ Layer| match &layer.source {
+        Source::HairMesh(_) => true,
+        Source::Guides(_) | Source::Strands(_) => false,
+    };
+    let chosen = layer_idx.and_then(|layer_idx| groom.layers.get(layer_idx)).filter(|layer| of_layer(layer));
+    match &chosen.or_else(|| groom.layers.iter().find(|layer| of_layer(layer)))?.source {
+        Source::HairMesh(mesh) => Some(mesh),
+        Source::Guides(_) | Source::Strands(_) => None,
+    }
 }
 
 /// Replace the head by a mesh from a file. Returns warnings.

@@ -93,6 +93,31 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn concave_polygons_of_any_number_of_corners_reproduce_points_continuously(
+            radii in prop::collection::vec(0.4_f32..3.0, 3..12), share in 0.0_f32..0.9, turn in 0.0_f32..1.0,
+        ) {
+            // A star around its middle, in a tilted plane: concave wherever a corner is nearer than its neighbours.
+            let n = radii.len();
+            let rotation = glam::Quat::from_euler(glam::EulerRot::XYZ, 0.4, 1.1, -0.3);
+            let corner = |i: usize| {
+                let (sin, cos) = (i as f32 / n as f32 * std::f32::consts::TAU).sin_cos();
+                rotation * (radii[i % n] * Vec3::new(cos, sin, 0.0)) + Vec3::new(3.0, -1.0, 7.0)
+            };
+            let corners: Vec<Vec3> = (0..n).map(corner).collect();
+            let at = turn * n as f32;
+            let border = corner(at as usize % n).lerp(corner((at as usize + 1) % n), at.fract());
+            let p = Vec3::new(3.0, -1.0, 7.0).lerp(border, share);
+            let weights = mean_value_weights(&corners, p);
+            prop_assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-4, "{weights:?}");
+            prop_assert!(blend(&corners, &weights).distance(p) < 1e-3, "{weights:?}");
+            // A step to the side changes them little: strands do not jump.
+            let beside = mean_value_weights(&corners, p + rotation * Vec3::new(1e-3, 1e-3, 0.0));
+            prop_assert!(weights.iter().zip(&beside).all(|(a, b)| (a - b).abs() < 0.05), "{weights:?} {beside:?}");
+        }
+    }
+
     #[test]
     fn concave_polygons_still_reproduce_the_point() {
         let corners = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]].map(|[x, y]| Vec3::new(x, y, 0.0));

@@ -290,7 +290,10 @@ impl Studio {
                     }
                 }
                 Done::Hair { layers, source, notes } => {
-                    self.desk.settings.remember(&source);
+                    // What was made here comes from no file.
+                    if !source.as_os_str().is_empty() {
+                        self.desk.settings.remember(&source);
+                    }
                     self.note(&source, &notes);
                     self.add_layers(layers);
                 }
@@ -602,6 +605,16 @@ impl Studio {
             Purpose::ImportHead => {
                 self.jobs.start(ctx, format!("Importing {name}"), move |watch| jobs::import_head(&path, watch));
             }
+            Purpose::ImportHairMesh => {
+                let head = groom.head;
+                self.jobs
+                    .start(ctx, format!("Importing {name}"), move |watch| jobs::import_hair_mesh(&path, head, watch));
+            }
+            Purpose::ExportHairMesh => {
+                let selected = self.selected_layer();
+                self.jobs
+                    .start(ctx, format!("Exporting {name}"), move |_| jobs::export_hair_mesh(&groom, selected, &path));
+            }
             Purpose::Export => {
                 self.jobs.start(ctx, format!("Exporting {name}"), move |watch| jobs::export(&groom, &path, watch));
             }
@@ -633,6 +646,19 @@ impl Studio {
                     .start(ctx, format!("Writing {name}"), move |_| jobs::save_map(&path, &map, &kind, picture_kind));
             }
         }
+    }
+
+    fn selected_layer(&self) -> Option<usize> {
+        match self.desk.selection {
+            Selection::Layer(layer_idx) => Some(layer_idx),
+            Selection::Head | Selection::Light(_) => None,
+        }
+    }
+
+    fn fit_hair_mesh(&mut self, ctx: &egui::Context) {
+        let groom = self.desk.document.groom.clone();
+        let selected = self.selected_layer();
+        self.jobs.start(ctx, "Fitting a hair mesh", move |_| jobs::fit_hair_mesh(&groom, selected));
     }
 
     fn palettes(&mut self, ctx: &egui::Context) {

@@ -1,5 +1,7 @@
 //! The command line as a process: what it says, how it exits, and what it leaves when it is killed.
 
+mod hair_mesh;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};

@@ -16,6 +16,7 @@
 mod divide;
 mod error;
 mod extrude;
+mod fit;
 mod layers;
 mod mirror;
 mod op;

@@ -7,10 +7,21 @@ use std::collections::{HashMap, HashSet};
 
 use super::op::demand_any;
 use super::work::{Work, WorkLayer, edge_of, edges};
-use super::{EdgeId, HairMeshError, VertexId};
+use super::{EdgeId, HairMesh, HairMeshError, VertexId};
 
 /// Which group of faces around a cut vertex a bundle belongs to, by (layer, vertex, bundle).
 type Groups = HashMap<(usize, u32, usize), usize>;
+
+impl HairMesh {
+    /// Layers whose faces stand on each other but whose vertices may stand on several of the layer below:
+    /// those are separated. Also how many vertices that added.
+    pub fn with_one_below_each(&self) -> Result<(Self, usize), HairMeshError> {
+        let mut work = Work::on(self);
+        work.separate(&Groups::new());
+        let (mesh, report) = work.finish()?;
+        Ok((mesh, report.new_vertices.len()))
+    }
+}
 
 impl Work {
     pub(super) fn separate_vertices(&mut self, vertices: &[VertexId]) -> Result<(), HairMeshError> {

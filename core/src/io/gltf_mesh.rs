@@ -65,7 +65,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
 }
 
 /// The JSON and the binary chunk of a GLB. The gltf crate's own function trusts the lengths.
-fn split_glb<'b>(source: &Source<'_>, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]>), ReadError> {
+pub(super) fn split_glb<'b>(source: &Source<'_>, bytes: &'b [u8]) -> Result<(&'b [u8], Option<&'b [u8]>), ReadError> {
     const NEXT: &str = "Export it again as GLB of version 2";
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let bad = |at: usize, problem: String| source.corrupt(Place::Byte(at as u64), problem, NEXT);

@@ -13,6 +13,7 @@ mod gltf_mesh;
 mod groom;
 mod guess;
 mod hair;
+mod hair_mesh;
 mod import;
 mod info;
 mod obj;
@@ -38,6 +39,7 @@ pub use detect::{Contents, Format, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EX
 pub use error::{Place, ReadError, WriteError};
 pub use groom::{GroomImport, ImportOptions, groom_of, import_groom};
 pub use guess::Guess;
+pub use hair_mesh::{HAIR_MESH_EXTENSIONS, HairMeshImport, read_hair_mesh, write_hair_mesh};
 pub use import::{MeshImport, PlacedStrands, StrandImport};
 pub use info::{Info, InfoError, info};
 pub use reread::reread;

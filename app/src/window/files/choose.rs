@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 
 use super::dialog::FileDialog;
-use lorelei_core::io::{MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS};
+use lorelei_core::io::{HAIR_MESH_EXTENSIONS, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS};
 use lorelei_core::maps::picture::MAP_EXTENSIONS;
 
 /// What a path is wanted for.
@@ -14,6 +14,8 @@ pub enum Purpose {
     SaveAs,
     ImportHair,
     ImportHead,
+    ImportHairMesh,
+    ExportHairMesh,
     Export,
     SavePicture,
     SaveMacro,
@@ -38,6 +40,8 @@ impl Purpose {
             Self::SaveAs => "Save as",
             Self::ImportHair => "Import hair",
             Self::ImportHead => "Import head",
+            Self::ImportHairMesh => "Import hair mesh",
+            Self::ExportHairMesh => "Export hair mesh",
             Self::Export => "Export strands",
             Self::SavePicture => "Save picture",
             Self::SaveMacro => "Save the macro",
@@ -56,6 +60,8 @@ impl Purpose {
             Self::SaveAs => vec!["lorelei"],
             Self::ImportHair => STRAND_EXTENSIONS.to_vec(),
             Self::ImportHead => MESH_EXTENSIONS.to_vec(),
+            Self::ImportHairMesh => vec!["obj", "glb", "gltf"],
+            Self::ExportHairMesh => HAIR_MESH_EXTENSIONS.to_vec(),
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
             Self::SavePicture => vec!["png"],
             Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle => vec!["ron"],
@@ -67,7 +73,13 @@ impl Purpose {
     pub fn is_save(self) -> bool {
         matches!(
             self,
-            Self::SaveAs | Self::Export | Self::SavePicture | Self::SaveMacro | Self::SaveStyle | Self::SaveMap
+            Self::SaveAs
+                | Self::Export
+                | Self::ExportHairMesh
+                | Self::SavePicture
+                | Self::SaveMacro
+                | Self::SaveStyle
+                | Self::SaveMap
         )
     }
 

@@ -6,7 +6,8 @@ use std::sync::{Arc, mpsc};
 
 use lorelei_core::document;
 use lorelei_core::edit::Edit;
-use lorelei_core::groom::{Groom, Head, Layer};
+use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
 use lorelei_core::maps::picture::{self, PictureError, PictureKind};
 use lorelei_core::maps::{MapKind, ScalpMap};
@@ -184,6 +185,65 @@ pub fn import_head(path: &Path, watch: Watch<'_>) -> Done {
         Ok((head, notes)) => Done::Head { head, source: path.to_owned(), notes },
         Err(why) if why.is_cancelled() => Done::Cancelled,
         Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Read polygons as a layer with a hair mesh, on `head` or else on the mannequin.
+pub fn import_hair_mesh(path: &Path, head: Option<Head>, watch: Watch<'_>) -> Done {
+    let head = head.unwrap_or_else(lorelei_assets::mannequin);
+    match open::hair_mesh_layer(path, &head, ImportOptions::default(), watch) {
+        Ok((layer, notes)) => Done::Hair { layers: vec![layer], source: path.to_owned(), notes },
+        Err(why) if why.is_cancelled() => Done::Cancelled,
+        Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
+    }
+}
+
+/// Write the selected layer's hair mesh as polygons, or the first that there is.
+pub fn export_hair_mesh(groom: &Groom, selected: Option<usize>, path: &Path) -> Done {
+    let failed = |why: String| Done::Failed { title: format!("Could not export {}", name_of(path)), why };
+    let Some(mesh) = open::hair_mesh_of(groom, selected) else {
+        return failed("no layer is made of a hair mesh: make or import one first".to_owned());
+    };
+    match io::write_hair_mesh(path, mesh) {
+        Ok(()) => Done::Exported { path: path.to_owned(), notes: Vec::new() },
+        Err(why) => failed(why.to_string()),
+    }
+}
+
+/// Root faces of a fitted hair mesh, and its layers: enough to follow a hairstyle, few enough to model with.
+const FITTED_CELL_CM: f32 = 2.0;
+const N_FITTED_LAYERS: usize = 8;
+
+/// A layer with a hair mesh around the selected layer's guides or strands, or the first that has some.
+pub fn fit_hair_mesh(groom: &Groom, selected: Option<usize>) -> Done {
+    let failed = |why: String| Done::Failed { title: "Could not fit a hair mesh".to_owned(), why };
+    let guides_of = |layer: &Layer| match &layer.source {
+        Source::Guides(strands) | Source::Strands(strands) => Some(Arc::clone(strands)),
+        Source::HairMesh(_) => None,
+    };
+    let selected = selected.and_then(|layer_idx| groom.layers.get(layer_idx)).filter(|l| guides_of(l).is_some());
+    let Some(layer) = selected.or_else(|| groom.layers.iter().find(|layer| guides_of(layer).is_some())) else {
+        return failed("no layer has guides or strands: import some, or draw guides first".to_owned());
+    };
+    let Some(guides) = guides_of(layer) else { return Done::Cancelled };
+    let head = groom.head.clone().unwrap_or_else(lorelei_assets::mannequin);
+    match HairMesh::around_guides(&guides, &head.mesh, FITTED_CELL_CM, N_FITTED_LAYERS) {
+        Ok(mesh) => {
+            let notes = vec![format!(
+                "{} bundles of {N_FITTED_LAYERS} layers around {} curves",
+                mesh.n_bundles(),
+                guides.n_strands()
+            )];
+            let fitted = Layer {
+                name: format!("{} as a hair mesh", layer.name),
+                source: Source::HairMesh(Arc::new(mesh)),
+                n_strands: layer.n_strands.max(20_000),
+                read_as: None,
+                ..layer.clone()
+            };
+            Done::Hair { layers: vec![fitted], source: PathBuf::new(), notes }
+        }
+        Err(why) => failed(why.to_string()),
     }
 }
 
