@@ -148,23 +148,27 @@ fn space_on_head(
     let ups = [guess.up, Axis::Y, Axis::Z];
     let others = ups.into_iter().flat_map(|up| Unit::ALL.into_iter().map(move |unit| (unit, up)));
     let all = std::iter::once((decided.unit, decided.up)).chain(others).filter(|&(unit, up)| is_open(unit, up));
-    let fits = |space: &Space| -> bool {
-        let Some(head) = head else { return false };
+    let distance = |space: Space| -> Option<(f32, Space)> {
+        let head = head?;
         let mut points = polygons.positions.clone();
         transform_points(space.world_from_file(), &mut points);
         let (lo, hi) = points.iter().fold((points[0], points[0]), |(lo, hi), &p| (lo.min(p), hi.max(p)));
         if !HAIR_SIZE.contains(&(hi - lo).max_element()) {
-            return false;
+            return None;
         }
         let step = points.len().div_ceil(2000);
         let mut far: Vec<f32> = points.iter().step_by(step).map(|&p| head.closest(p).distance).collect();
         far.sort_unstable_by(f32::total_cmp);
         let nearest = &far[..far.len().div_ceil(4)];
-        nearest.iter().sum::<f32>() / nearest.len() as f32 <= ON_HEAD
+        let distance = nearest.iter().sum::<f32>() / nearest.len() as f32;
+        (distance <= ON_HEAD).then_some((distance, space))
     };
     let spaces = all.map(|(unit, up)| options.decide(Space { unit, ..guess }.with_up(up)));
-    match spaces.into_iter().find(fits) {
-        Some(space) if space != decided => (space, format!("{}: so it lies on the head", space.describe())),
+    let fitting: Vec<(f32, Space)> = spaces.filter_map(distance).collect();
+    // The first unit that fits, since a smaller one may lie on the neck; with the axis that fits best.
+    let of_unit = fitting.iter().filter(|(_, space)| space.unit == fitting[0].1.unit);
+    match of_unit.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some(&(_, space)) if space != decided => (space, format!("{}: so it lies on the head", space.describe())),
         Some(_) | None => (decided, options.reason(guess, reason)),
     }
 }
