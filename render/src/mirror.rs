@@ -141,6 +141,13 @@ pub(crate) struct PlanNumbers {
     pub(crate) width_map: u32,
 }
 
+impl PlanNumbers {
+    /// Whether an operator irons the paths.
+    pub(crate) fn irons(self) -> bool {
+        self.smooth_op != NONE
+    }
+}
+
 /// Twin of `NONE` in generate.wgsl.
 const NONE: u32 = u32::MAX;
 

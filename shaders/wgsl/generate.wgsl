@@ -271,6 +271,7 @@ fn blended(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     return p;
 }
 
+#ifdef IRONS
 // A mean with falling weights over the neighbours; beyond its ends the chain is mirrored in them.
 fn ironed(curve: ptr<function, Curve>, i: u32, p: vec3<f32>) -> vec3<f32> {
     let op = ops[params.smooth_op];
@@ -295,12 +296,13 @@ fn ironed(curve: ptr<function, Curve>, i: u32, p: vec3<f32>) -> vec3<f32> {
     }
     return p + strength * (sum / total - p);
 }
+#endif
 
 fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     var p = blended(curve, i);
-    if params.smooth_op != NONE {
-        p = ironed(curve, i, p);
-    }
+#ifdef IRONS
+    p = ironed(curve, i, p);
+#endif
     let x = f32(i) / f32(params.guide_vertices - 1u);
     let left = 1.0 - smooth_step(0.0, 1.0, x) * (1.0 - params.offset_at_tip);
     return move_point(params.world_from_guides, p) + left * (*curve).offset;
