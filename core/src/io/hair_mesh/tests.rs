@@ -1,3 +1,5 @@
+//! Hair meshes as other programs write them come in with what they are made of, and what goes out comes back the same.
+
 use std::fmt::Write as _;
 use std::path::Path;
 
