@@ -1,13 +1,15 @@
 //! Several layers of one source: the same hair mesh (or guides) traced by another group of strands with a style
 //! of its own, as for the frizzy strands of Yuksel, Schaefer and Keyser 2009, fig. 11.
 //!
-//! Layers share a source by sharing its `Arc`: nothing names a source, so nothing can name a wrong one. Whoever edits
-//! a shared hair mesh asks [`Groom::layers_sharing`] for whom. A list of sources beside the layers
+//! Layers share a source by sharing its `Arc`: nothing names a source, so nothing can name a wrong one. An edit
+//! of a hair mesh counts for all layers that share it ([`Groom::apply`] lets them go on sharing it). A list of sources beside the layers
 //! was rejected: every edit, file and import would have to keep its indices right.
 
 use std::sync::Arc;
 
 use crate::groom::{Groom, Layer, Source};
+use crate::hair_mesh::HairMesh;
+use crate::strands::Strands;
 use crate::style::presets::{Preset, presets};
 use crate::style::{StyleKind, StyleOp};
 
@@ -80,6 +82,17 @@ impl Companion {
     }
 }
 
+impl Source {
+    /// The same source, shared with no layer: an edit of it then counts for one layer alone.
+    pub fn detached(&self) -> Self {
+        match self {
+            Self::HairMesh(mesh) => Self::HairMesh(Arc::new(HairMesh::clone(mesh))),
+            Self::Guides(guides) => Self::Guides(Arc::new(Strands::clone(guides))),
+            Self::Strands(strands) => Self::Strands(Arc::new(Strands::clone(strands))),
+        }
+    }
+}
+
 /// Whether two layers trace the same source, not only an equal one.
 fn share_source(a: &Layer, b: &Layer) -> bool {
     match (&a.source, &b.source) {
@@ -131,6 +144,9 @@ mod tests {
         assert_eq!(groom.layers_sharing(1), [0, 1, 2]);
         assert_eq!(groom.layers_sharing(3), [3]);
         assert!(groom.layers_sharing(9).is_empty());
+        let own = groom.layers[2].source.detached();
+        groom.layers[2].source = own;
+        assert_eq!((groom.layers_sharing(1), groom.layers_sharing(2)), (vec![0, 1], vec![2]));
         // What was read from a file as two equal sources is one again.
         groom.share_equal_sources();
         assert_eq!(groom.layers_sharing(1), [0, 1, 2, 3]);

@@ -805,6 +805,10 @@ impl Studio {
             Command::ClearHistory => document.history.labels().len() > 0,
             Command::RecordMacro | Command::PlayMacro => !document.is_none(),
             Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
+            Command::DetachLayer => match self.desk.selection {
+                Selection::Layer(layer_idx) => document.groom.layers_sharing(layer_idx).len() > 1,
+                Selection::Head | Selection::Light(_) => false,
+            },
             // Imported strands are as many as they are.
             Command::AddFlyAways | Command::AddFrizz => {
                 let layer = self.desk.selected_layer();

@@ -77,7 +77,8 @@ impl Studio {
             | Command::DuplicateLayer
             | Command::RemoveLayer
             | Command::AddFlyAways
-            | Command::AddFrizz => {
+            | Command::AddFrizz
+            | Command::DetachLayer => {
                 panels::properties::layer_command(&mut self.desk, command);
                 self.desk.measure();
             }

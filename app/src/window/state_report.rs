@@ -56,6 +56,16 @@ pub fn mark(ctx: &egui::Context, name: impl FnOnce() -> String, rect: egui::Rect
     });
 }
 
+/// Where a marked control is, for tests without a window; the first call only starts to keep marks.
+#[cfg(test)]
+pub fn marked(ctx: &egui::Context, name: &str) -> Option<egui::Rect> {
+    ctx.data_mut(|data| {
+        let marks = data.get_temp_mut_or_default::<Marks>(marks_id());
+        let [left, top, right, bottom] = *marks.get(name)?;
+        Some(egui::Rect::from_min_max(egui::pos2(left, top), egui::pos2(right, bottom)))
+    })
+}
+
 /// How evenly the window's own frames come while it draws one after the other.
 #[derive(Debug, Default)]
 pub struct UiClock {

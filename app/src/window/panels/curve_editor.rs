@@ -53,7 +53,9 @@ fn place(rect: Rect, from: f32, [x, y]: [f32; 2]) -> Pos2 {
 }
 
 fn drawing(ui: &mut Ui, op: &mut StyleOp) -> Option<Change> {
-    let (outer, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click_and_drag());
+    let (outer, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    // An id of its own: taking hold of the ramp makes a row above vanish, and the drag has to go on.
+    let response = ui.interact(outer, ui.make_persistent_id("curve"), Sense::click_and_drag());
     let rect = outer.shrink2(vec2(8.0, 8.0));
     mark(ui.ctx(), || "style curve".to_owned(), rect);
     let from = op.from.clamp(0.0, 0.99);

@@ -130,7 +130,7 @@ fn layer_row(ui: &mut Ui, desk: &mut Desk, layer_idx: usize, action: &mut Option
         for command in
             [Command::DuplicateLayer, Command::AddFlyAways, Command::AddFrizz, Command::RemoveLayer, Command::Export]
         {
-            if ui.button(command.row().label).clicked() {
+            if ui.button(command.row().label).on_hover_text(command.row().help).clicked() {
                 *action = Some(Action::Ask(command));
             }
         }

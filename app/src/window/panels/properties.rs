@@ -72,6 +72,7 @@ fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
             ui.label(RichText::new(described(&layer.source)).color(theme::TEXT_WEAK));
         });
     });
+    sharing(ui, desk, layer_idx);
     section(ui, "Fibre");
     let mut default_material = HairMaterial::default();
     let mut material_change = presets(ui, &mut layer.material);
@@ -105,6 +106,24 @@ fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
         let edit = Edit::SetLayer { layer_idx, layer: Box::new(layer) };
         document.edit(&change.label, edit, merge_of(change.drag));
     }
+}
+
+/// Which layers trace the same source, and the way out of it.
+fn sharing(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
+    let groom = &desk.document.groom;
+    let others = groom.layers_sharing(layer_idx).into_iter().filter(|&other| other != layer_idx);
+    let names: Vec<&str> = others.map(|other| groom.layers[other].name.as_str()).collect();
+    if names.is_empty() {
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        let text = format!("Shared with {}: edits of its shape count for all", names.join(", "));
+        ui.label(RichText::new(text).color(theme::TEXT_WEAK).small());
+        let row = Command::DetachLayer.row();
+        if ui.small_button("Make its own").on_hover_text(row.help).clicked() {
+            desk.asked.push(Command::DetachLayer);
+        }
+    });
 }
 
 fn described(source: &Source) -> String {
@@ -160,6 +179,10 @@ pub fn layer_command(desk: &mut Desk, command: Command) {
             let edit = Edit::AddLayer { layer_idx: layer_idx + 1, layer: Box::new(copy) };
             desk.document.edit("Duplicate layer", edit, Merge::New);
             desk.selection = Selection::Layer(layer_idx + 1);
+        }
+        Command::DetachLayer => {
+            let edit = Edit::SetSource { layer_idx, source: layer.source.detached() };
+            desk.document.edit("Own hair mesh", edit, Merge::New);
         }
         Command::AddFlyAways | Command::AddFrizz => {
             let sort = if command == Command::AddFrizz { Companion::Frizz } else { Companion::FlyAways };

@@ -391,3 +391,145 @@ pub fn file(desk: &mut Desk, is_save: bool, path: &Path) -> Result<(), PresetErr
     desk.document.edit(&format!("Style: {}", preset.name), Edit::SetStyle { layer_idx, style }, Merge::New);
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2};
+    use lorelei_core::groom::Source;
+    use lorelei_core::style::Profile;
+
+    use super::*;
+    use crate::window::state_report::marked;
+
+    /// The panel without a window, used by hand.
+    struct Hand {
+        ctx: egui::Context,
+        layer: Layer,
+        time: f64,
+        changes: Vec<Change>,
+    }
+
+    impl Hand {
+        fn new(style: Vec<StyleOp>) -> Self {
+            let layer = Layer { style, ..Layer::new("hair", Source::Guides(std::sync::Arc::default())) };
+            let ctx = egui::Context::default();
+            theme::install(&ctx);
+            let mut hand = Self { ctx, layer, time: 0.0, changes: Vec::new() };
+            assert_eq!(marked(&hand.ctx, "nothing"), None);
+            hand.draw(Vec::new());
+            hand.draw(Vec::new());
+            hand
+        }
+
+        fn draw(&mut self, events: Vec<Event>) {
+            self.time += 0.05;
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(340.0, 2000.0)));
+            let input = RawInput { events, screen_rect, time: Some(self.time), ..RawInput::default() };
+            let (layer, changes) = (&mut self.layer, &mut self.changes);
+            let mut output = self.ctx.run_ui(input, |ui| {
+                egui::CentralPanel::default().show(ui, |panel| changes.extend(ui_of(panel, layer)));
+            });
+            // Nobody paints.
+            output.textures_delta.clear();
+        }
+
+        fn at(&self, name: &str) -> Rect {
+            marked(&self.ctx, name).unwrap_or_else(|| panic!("`{name}` is on the panel"))
+        }
+
+        fn button(&mut self, at: Pos2, pressed: bool) {
+            let button = PointerButton::Primary;
+            self.draw(vec![Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE }]);
+        }
+
+        fn drag(&mut self, from: Pos2, to: Pos2) {
+            self.draw(vec![Event::PointerMoved(from)]);
+            self.button(from, true);
+            for step in 1..=4 {
+                self.draw(vec![Event::PointerMoved(from + (to - from) * (step as f32 / 4.0))]);
+            }
+            self.button(to, false);
+            self.draw(Vec::new());
+        }
+
+        fn click(&mut self, at: Pos2) {
+            self.drag(at, at);
+        }
+
+        /// A click that is no part of a double click.
+        fn lone_click(&mut self, at: Pos2) {
+            self.time += 2.0;
+            self.click(at);
+        }
+
+        fn labels(&self) -> Vec<&str> {
+            self.layer.style.iter().map(StyleOp::label).collect()
+        }
+    }
+
+    fn ui_of(panel: &mut Ui, layer: &mut Layer) -> Option<Change> {
+        ui(panel, layer, &mut Vec::new())
+    }
+
+    fn stack() -> Vec<StyleOp> {
+        StyleKind::DEFAULTS[..4].iter().map(|kind| StyleOp::new(*kind)).collect()
+    }
+
+    #[test]
+    fn operators_are_dragged_to_another_place_in_one_step() {
+        let mut hand = Hand::new(stack());
+        assert_eq!(hand.labels(), ["Clump", "Length", "Wave", "Curl"]);
+        let (first, third) = (hand.at("style 0 grip").center(), hand.at("style 2 grip").center_bottom());
+        hand.drag(first, third);
+        assert_eq!(hand.labels(), ["Length", "Wave", "Clump", "Curl"]);
+        assert_eq!(hand.changes, [Change::once("Reorder style")]);
+        let (last, above) = (hand.at("style 3 grip").center(), hand.at("style 0 grip").center_top() - vec2(0.0, 6.0));
+        hand.drag(last, above);
+        assert_eq!(hand.labels(), ["Curl", "Length", "Wave", "Clump"]);
+        // Back where it was: no step.
+        let n_changes = hand.changes.len();
+        let second = hand.at("style 1 grip").center();
+        hand.drag(second, second + vec2(0.0, 3.0));
+        assert_eq!(hand.changes.len(), n_changes);
+    }
+
+    #[test]
+    fn solo_is_switched_by_its_button() {
+        let mut hand = Hand::new(stack());
+        let solo = hand.at("style 2 solo").center();
+        hand.lone_click(solo);
+        assert!(hand.layer.style[2].solo);
+        assert_eq!(hand.changes, [Change::once("Solo Wave")]);
+        assert_eq!(acting(&hand.layer.style).count(), 1);
+    }
+
+    #[test]
+    fn a_curve_is_drawn_by_dragging_and_points_come_and_go_with_double_clicks() {
+        let mut hand = Hand::new(vec![StyleOp::new(StyleKind::DEFAULTS[3])]);
+        let name = hand.at("style 0").center();
+        hand.lone_click(name);
+        for _ in 0..10 {
+            hand.draw(Vec::new());
+        }
+        let rect = hand.at("style curve");
+        let at = |x: f32, y: f32| pos2(rect.left() + x * rect.width(), rect.bottom() - y * rect.height());
+        assert!(hand.layer.style[0].curve.is_empty());
+        hand.time += 2.0;
+        hand.drag(at(1.0, 1.0), at(1.0, 0.25));
+        let points = |hand: &Hand| hand.layer.style[0].curve.points().to_vec();
+        assert_eq!(points(&hand).len(), 2);
+        assert!((points(&hand)[1][1] - 0.25).abs() < 0.02, "{:?}", points(&hand));
+        let drags: std::collections::HashSet<_> = hand.changes.iter().map(|change| change.drag).collect();
+        assert!(drags.len() == 1 && !drags.contains(&None), "one drag, one step");
+        hand.time += 2.0;
+        hand.click(at(0.4, 0.5));
+        hand.click(at(0.4, 0.5));
+        assert_eq!(points(&hand).len(), 3, "{:?}", points(&hand));
+        hand.time += 2.0;
+        let [x, y] = points(&hand)[1];
+        hand.click(at(x, y));
+        hand.click(at(x, y));
+        assert_eq!(points(&hand).len(), 2);
+        assert_ne!(hand.layer.style[0].curve, Profile::default());
+    }
+}
