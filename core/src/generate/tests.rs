@@ -332,19 +332,17 @@ fn moving_one_vertex_by_a_millimetre_moves_no_strand_by_much_more() {
         // A wave, a curl or noise also slides along the strand as the path to it becomes longer: a curl of 0.6 cm
         // radius and 2 cm pitch turns by 2 pi 0.6 / 2 = 1.9 mm for a millimetre.
         let multiple = most_moved(&[StyleOp::new(kind)]);
-        eprintln!("{}: {multiple}", kind.label());
-        assert!(multiple < 3.0, "{}: 1 mm became {multiple} mm", kind.label());
+        assert!(multiple < 2.5, "{}: 1 mm became {multiple} mm", kind.label());
     }
     let coarse = StyleOp::new(StyleKind::Clump { strands_per_clump: 300.0, flare: 0.0, stray: 0.2 });
     let mut stack: Vec<StyleOp> = StyleKind::DEFAULTS.into_iter().map(StyleOp::new).collect();
     stack.insert(0, coarse);
     let multiple = most_moved(&stack);
-    eprintln!("all: {multiple}");
-    assert!(multiple < 5.0, "1 mm became {multiple} mm under one of each");
+    assert!(multiple < 2.5, "1 mm became {multiple} mm under one of each");
     for preset in crate::style::presets::presets() {
         let multiple = most_moved(&preset.for_strands(2000));
-        eprintln!("{}: {multiple}", preset.name);
-        assert!(multiple < 6.0, "{}: 1 mm became {multiple} mm", preset.name);
+        // Most under tight curls: 3.1.
+        assert!(multiple < 4.0, "{}: 1 mm became {multiple} mm", preset.name);
     }
 }
 
