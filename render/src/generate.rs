@@ -12,12 +12,15 @@ use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibra
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
-use crate::mirror::{Mirror, MirrorError, StrandBuffers};
+use crate::mirror::{Mirror, MirrorError, Sort, StrandBuffers};
 use crate::overlay::Veil;
 
 /// Makes the strands of a groom.
 pub struct StrandGenerator {
-    kernel: Hot<Kernel>,
+    /// For styles that [`Plan::is_plain`](lorelei_core::generate::plan::Plan::is_plain) says are plain.
+    plain: Hot<Kernel>,
+    /// For all others but those that iron; made when the first of them is shown.
+    full: Option<Hot<Kernel>>,
     /// With the operator that irons paths. Without it strands are made twice as fast (0.79 against 1.69 ms for 100,000
     /// on an H200), though nothing is ironed: so it is a kernel of its own, linked when it is first asked for.
     ironing: Option<Hot<Kernel>>,
@@ -68,8 +71,8 @@ struct Params {
 
 impl StrandGenerator {
     pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
-        let kernel = Hot::new(library, |library| plain(library, gpu))?;
-        Ok(Self { kernel, ironing: None, mirror: Mirror::new(gpu), params: Vec::new() })
+        let plain = Hot::new(library, |library| plain(library, gpu))?;
+        Ok(Self { plain, full: None, ironing: None, mirror: Mirror::new(gpu), params: Vec::new() })
     }
 
     /// Take over what changed in the groom. Returns what the user should know.
@@ -94,7 +97,8 @@ impl StrandGenerator {
 
     /// Why the last edit of the shader is not in use.
     pub fn shader_error(&self) -> Option<&ShaderError> {
-        self.kernel.error().or_else(|| self.ironing.as_ref()?.error())
+        let later = [self.full.as_ref(), self.ironing.as_ref()];
+        self.plain.error().or_else(|| later.into_iter().flatten().find_map(Hot::error))
     }
 
     /// Send this frame's numbers and bind each drawn layer; `record` then dispatches. Call once a frame.
@@ -104,8 +108,14 @@ impl StrandGenerator {
         library: &ShaderLibrary,
         pose: &StrandPose<'_>,
     ) -> Result<PreparedStrands, ShaderError> {
-        self.kernel.refresh(library, |library| plain(library, gpu));
-        if self.ironing.is_none() && self.mirror.layers.iter().any(|layer| layer.plan.irons()) {
+        self.plain.refresh(library, |library| plain(library, gpu));
+        if self.full.is_none() && self.mirror.layers.iter().any(|layer| layer.plan.sort() == Sort::Full) {
+            self.full = Some(Hot::new(library, |library| full(library, gpu))?);
+        }
+        if let Some(kernel) = &mut self.full {
+            kernel.refresh(library, |library| full(library, gpu));
+        }
+        if self.ironing.is_none() && self.mirror.layers.iter().any(|layer| layer.plan.sort() == Sort::Ironing) {
             self.ironing = Some(Hot::new(library, |library| ironing(library, gpu))?);
         }
         if let Some(kernel) = &mut self.ironing {
@@ -156,8 +166,8 @@ impl StrandGenerator {
             let widest = params.radius * lod.scale * layer.widest_scale;
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
-            let irons = layer.plan.irons();
-            let bindings = self.kernel_for(irons).bind(
+            let sort = layer.plan.sort();
+            let bindings = self.kernel_for(sort).bind(
                 gpu,
                 &[
                     ("params", params_buffer.as_entire_binding()),
@@ -174,23 +184,25 @@ impl StrandGenerator {
                 ],
             )?;
             self.mirror.buffers.layers.push(crate::mirror::DrawnLayer { n_strands: lod.n_drawn, ..place });
-            dispatches.push(Dispatch { bindings, n_drawn: lod.n_drawn, irons });
+            dispatches.push(Dispatch { bindings, n_drawn: lod.n_drawn, sort });
         }
         Ok(PreparedStrands { dispatches })
     }
 
     /// Record the dispatches of a prepared frame.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, prepared: &PreparedStrands) {
-        for Dispatch { bindings, n_drawn, irons } in &prepared.dispatches {
-            self.kernel_for(*irons).dispatch_items(pass, bindings, *n_drawn);
+        for Dispatch { bindings, n_drawn, sort } in &prepared.dispatches {
+            self.kernel_for(*sort).dispatch_items(pass, bindings, *n_drawn);
         }
     }
 
-    fn kernel_for(&self, irons: bool) -> &Kernel {
-        match &self.ironing {
-            Some(ironing) if irons => ironing,
-            Some(_) | None => &self.kernel,
-        }
+    fn kernel_for(&self, sort: Sort) -> &Kernel {
+        let kernel = match sort {
+            Sort::Plain => None,
+            Sort::Full => self.full.as_ref(),
+            Sort::Ironing => self.ironing.as_ref(),
+        };
+        kernel.unwrap_or(&self.plain)
     }
 }
 
@@ -205,15 +217,19 @@ pub struct PreparedStrands {
 struct Dispatch {
     bindings: Bindings,
     n_drawn: u32,
-    irons: bool,
+    sort: Sort,
 }
 
 fn plain(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "generate", "generate", &[], &[])
+    library.kernel(gpu, "generate", "generate", &[("FULL", 0.0)], &[])
+}
+
+fn full(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
+    library.kernel(gpu, "generate", "generate", &[("FULL", 1.0)], &[])
 }
 
 fn ironing(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "generate", "generate", &[], &[Link::Def("IRONS")])
+    library.kernel(gpu, "generate", "generate", &[("FULL", 1.0)], &[Link::Def("IRONS")])
 }
 
 /// The rows of a transform: rotation and scale, then the translation.

@@ -139,13 +139,30 @@ pub(crate) struct PlanNumbers {
     pub(crate) wisp_size: u32,
     pub(crate) length_map: u32,
     pub(crate) width_map: u32,
+    pub(crate) is_plain: bool,
 }
 
 impl PlanNumbers {
-    /// Whether an operator irons the paths.
-    pub(crate) fn irons(self) -> bool {
-        self.smooth_op != NONE
+    const EMPTY: Self =
+        Self { n_ops: 0, smooth_op: NONE, wisp_size: NONE, length_map: NONE, width_map: NONE, is_plain: true };
+
+    /// The kernel that the plan needs.
+    pub(crate) fn sort(self) -> Sort {
+        match (self.smooth_op != NONE, self.is_plain) {
+            (true, _) => Sort::Ironing,
+            (false, true) => Sort::Plain,
+            (false, false) => Sort::Full,
+        }
     }
+}
+
+/// Which kernel makes a layer's strands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Sort {
+    Plain,
+    Full,
+    /// As full, with the operator that irons paths.
+    Ironing,
 }
 
 /// Twin of `NONE` in generate.wgsl.
@@ -339,7 +356,7 @@ impl LayerMirror {
             ops: gpu.buffer("generate.ops", 16, STORAGE),
             curves: gpu.buffer("generate.curves", 16, STORAGE),
             map_values: gpu.buffer_of("generate.map_values", &binding.map_values, STORAGE),
-            plan: PlanNumbers { n_ops: 0, smooth_op: NONE, wisp_size: NONE, length_map: NONE, width_map: NONE },
+            plan: PlanNumbers::EMPTY,
             widest_scale: 1.0,
             binding: Arc::clone(binding),
             places: bound.places,
@@ -390,6 +407,7 @@ impl LayerMirror {
             wisp_size: index_or_none(plan.wisp_size_idx()),
             length_map: index_or_none(plan.length_map),
             width_map: index_or_none(plan.width_map),
+            is_plain: plan.is_plain(),
         };
         let widest = self.binding.radius_scales.iter().copied().fold(1.0, f32::max);
         self.widest_scale = widest * plan.width_map.map_or(1.0, |_| MapKind::Width.max_value());

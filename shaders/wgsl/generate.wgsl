@@ -93,6 +93,10 @@ struct Op {
 
 const NONE: u32 = 0xFFFFFFFFu;
 
+// 0: a kernel for styles of lengths, clumps, waves, curls, frizz and deviations alone, without drawn curves, painted
+// maps, wisps or blends. Software drivers compute both sides of every branch, and so would pay for all of it.
+override FULL: u32 = 1u;
+
 // Those up to WISP cut or pull a strand, those from WISP turn or displace it.
 const LENGTH: u32 = 0u;
 const CLUMP: u32 = 1u;
@@ -210,7 +214,7 @@ fn envelope(strength: f32, at: f32, ramp: f32, table: u32, t: f32) -> f32 {
     if t < at {
         return 0.0;
     }
-    if table != NONE {
+    if FULL != 0u && table != NONE {
         return strength * table_at(table, (t - at) / max(1.0 - at, 1e-4));
     }
     if ramp <= 0.0 {
@@ -221,7 +225,7 @@ fn envelope(strength: f32, at: f32, ramp: f32, table: u32, t: f32) -> f32 {
 }
 
 fn pull_at(pull: Pull, t: f32) -> f32 {
-    if pull.gather > 0.0 {
+    if FULL != 0u && pull.gather > 0.0 {
         return pull.strength * smooth_step(0.0, pull.gather, t);
     }
     let x = clamp((t - 0.6) / 0.4, 0.0, 1.0);
@@ -241,7 +245,7 @@ fn middle_of(strand_idx: u32, size_idx: u32) -> u32 {
 
 // A strand whose numbers count for an operator: before a wisp that is the wisp's middle.
 fn bearer_of(strand_idx: u32, flags: u32) -> u32 {
-    if (flags & PER_WISP) != 0u {
+    if FULL != 0u && (flags & PER_WISP) != 0u {
         return middle_of(strand_idx, params.wisp_size);
     }
     return strand_idx;
@@ -249,7 +253,7 @@ fn bearer_of(strand_idx: u32, flags: u32) -> u32 {
 
 // What a painted map says at a strand's root.
 fn map_value(strand_idx: u32, map_idx: u32) -> f32 {
-    if map_idx == NONE {
+    if FULL == 0u || map_idx == NONE {
         return 1.0;
     }
     return map_values[strand_idx * params.n_maps + map_idx];
@@ -257,6 +261,9 @@ fn map_value(strand_idx: u32, map_idx: u32) -> f32 {
 
 // How strong an operator is on a strand: painted maps say where it acts.
 fn strength_of(strand_idx: u32, i: u32) -> f32 {
+    if FULL == 0u {
+        return ops[i].strength;
+    }
     let share = min(map_value(strand_idx, ops[i].map_0), 1.0) * min(map_value(strand_idx, ops[i].map_1), 1.0);
     return ops[i].strength * share;
 }
@@ -312,7 +319,7 @@ fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
 fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
     (*curve).first_influence = strands[strand_idx].first_influence;
     (*curve).n_influences = strands[strand_idx].n_influences;
-    if params.smooth_op != NONE {
+    if FULL != 0u && params.smooth_op != NONE {
         (*curve).ironing = strength_of(strand_idx, params.smooth_op);
     }
     (*curve).offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
@@ -443,6 +450,9 @@ fn shape_of(strand_idx: u32, i: u32, frame: RootFrame, shape: ptr<function, Shap
             return true;
         }
         case WISP: {
+            if FULL == 0u {
+                return false;
+            }
             let from_middle = frame.root - root_of(middle);
             let x = dot(from_middle, frame.side);
             let y = dot(from_middle, frame.up);
@@ -459,6 +469,9 @@ fn shape_of(strand_idx: u32, i: u32, frame: RootFrame, shape: ptr<function, Shap
             return true;
         }
         case BEND: {
+            if FULL == 0u {
+                return false;
+            }
             let on_head = rotate(params.world_from_head, vec3<f32>(op.a, op.b, op.c));
             let towards = normalize_or(on_head + op.d * (vec3<f32>(0.0, -1.0, 0.0) - on_head), on_head);
             (*shape).strength *= 1.0 - op.e * random(clump, purpose(FOR_SIZE, op.seed));
@@ -466,6 +479,9 @@ fn shape_of(strand_idx: u32, i: u32, frame: RootFrame, shape: ptr<function, Shap
             return true;
         }
         case PART: {
+            if FULL == 0u {
+                return false;
+            }
             let normal = vec3<f32>(op.a, op.b, op.c);
             let distance = dot(move_point(params.head_from_world, frame.root), normal) - op.d;
             let away_from_line = rotate(params.world_from_head, select(1.0, -1.0, distance < 0.0) * normal);
@@ -515,6 +531,9 @@ fn displaced(offset: vec3<f32>, shape: Shape, t: f32, arc_length: f32) -> vec3<f
             full = shape.numbers.z * vec3<f32>(swing, grown * noise(combine(shape.seed, 1u), along), 0.0);
         }
         case WISP: {
+            if FULL == 0u {
+                return offset;
+            }
             let along = arc_length / WISP_FEATURE;
             let wander = op.c * op.a * vec2<f32>(noise(shape.seed, along), noise(combine(shape.seed, 1u), along));
             let turns = shape.away * op.d * t;
@@ -527,6 +546,9 @@ fn displaced(offset: vec3<f32>, shape: Shape, t: f32, arc_length: f32) -> vec3<f
         default: {
             full = vec3<f32>(shape.numbers.zw, shape.away);
         }
+    }
+    if FULL == 0u {
+        return offset + weight * full;
     }
     switch op.flags & BLEND {
         case REPLACE: {
@@ -623,7 +645,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
             continue;
         }
         var pull: Pull;
-        if op.kind == WISP {
+        if FULL != 0u && op.kind == WISP {
             cut *= 1.0 - strength * clamp(op.e, 0.0, 0.98) * random(seed, purpose(FOR_LENGTH, op.seed));
             pull = Pull(strength, 0.0, 0.0, NONE, 0.0, max(op.b, 1e-3), 1.0, 1.0);
         } else {
@@ -726,7 +748,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
             clumped = after;
             continue;
         }
-        if n_turns > 0u && v <= last {
+        if FULL != 0u && n_turns > 0u && v <= last {
             let next = after;
             let delta = next - clumped;
             var along = normalize_or(delta, vec3<f32>(0.0));

@@ -72,6 +72,26 @@ impl Plan {
         }
     }
 
+    /// Whether only lengths, clumps, waves, curls, frizz and deviations act, each by its ramp, added up and alike on
+    /// the whole scalp: the GPU has a quicker kernel for these.
+    pub fn is_plain(&self) -> bool {
+        let is_plain = |step: &Step| {
+            let of_kind = match step.kind {
+                StyleKind::Length { .. }
+                | StyleKind::Clump { .. }
+                | StyleKind::Wave { .. }
+                | StyleKind::Curl { .. }
+                | StyleKind::Frizz { .. }
+                | StyleKind::Deviate { .. } => true,
+                StyleKind::Bend { .. } | StyleKind::Smooth { .. } | StyleKind::Part { .. } | StyleKind::Wisp { .. } => {
+                    false
+                }
+            };
+            of_kind && step.table.is_none() && step.maps == [None, None] && step.blend == Blend::Add
+        };
+        self.steps.iter().all(is_plain) && self.length_map.is_none() && self.width_map.is_none()
+    }
+
     /// The clumps of the last wisp; `None` where strands are on their own.
     pub fn wisp_size_idx(&self) -> Option<usize> {
         self.steps[self.wisp?].size_idx
