@@ -1,6 +1,7 @@
 //! Lorelei, a hair studio: the window and the command line.
 
 mod cli;
+mod lod_strip;
 mod open;
 mod script;
 mod stage;

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
 use crate::hair_mesh::{HairMesh, HairMeshError, MeshOp, VertexId};
 use crate::light::Light;
+use crate::lod::LodSettings;
 use crate::look::Look;
 use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, Tile, TileChange};
@@ -26,6 +27,7 @@ pub enum Edit {
     SetName(String),
     SetHead(Option<Head>),
     SetLook(Box<Look>),
+    SetLod(Box<LodSettings>),
     SetLights(Vec<Light>),
     SetSimulation(Box<SimulationSettings>),
     AddLayer {
@@ -121,6 +123,7 @@ impl Groom {
             Edit::SetName(name) => Edit::SetName(replace(&mut self.name, name)),
             Edit::SetHead(head) => Edit::SetHead(replace(&mut self.head, head)),
             Edit::SetLook(look) => Edit::SetLook(Box::new(replace(&mut self.look, *look))),
+            Edit::SetLod(lod) => Edit::SetLod(Box::new(replace(&mut self.lod, *lod))),
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),
             Edit::AddLayer { layer_idx, layer } => {
@@ -277,6 +280,7 @@ impl Edit {
             (Self::SetName(_), Self::SetName(_))
             | (Self::SetHead(_), Self::SetHead(_))
             | (Self::SetLook(_), Self::SetLook(_))
+            | (Self::SetLod(_), Self::SetLod(_))
             | (Self::SetLights(_), Self::SetLights(_))
             | (Self::SetSimulation(_), Self::SetSimulation(_)) => true,
             (
@@ -376,6 +380,7 @@ impl Edit {
             Self::SetName(_)
             | Self::SetHead(None)
             | Self::SetLook(_)
+            | Self::SetLod(_)
             | Self::SetLights(_)
             | Self::SetSimulation(_)
             | Self::RemoveLayer { .. }
@@ -410,6 +415,7 @@ pub(crate) mod tests {
 
     use super::*;
     use crate::hair_mesh::{Along, FaceCut, Weld};
+    use crate::lod::LodChoice;
     use crate::look::{Scattering, Shadowing};
     use crate::maps::paint::StrokePoint;
     use crate::maps::tests::any_kind;
@@ -432,6 +438,9 @@ pub(crate) mod tests {
             (-2.0..2.0_f32, any::<bool>()).prop_map(|(exposure, kk)| {
                 let scattering = if kk { Scattering::KajiyaKay } else { Scattering::Marschner };
                 Edit::SetLook(Box::new(Look { exposure, scattering, shadowing: Shadowing::Off, ..Look::default() }))
+            }),
+            (0.0..3.0_f32).prop_map(|level| {
+                Edit::SetLod(Box::new(LodSettings { choice: LodChoice::Level(level), ..LodSettings::default() }))
             }),
             (0_usize..4).prop_map(|n| Edit::SetLights(vec![Light::directional("l", 1.0, 2.0, 3.0, [1.0; 3]); n])),
             (0.0..500.0_f32).prop_map(|wind_speed| {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::hair_mesh::HairMesh;
 use crate::io::Space;
 use crate::light::{Light, three_point_rig};
+use crate::lod::LodSettings;
 use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
 use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mesh::TriMesh;
@@ -26,6 +27,7 @@ pub struct Groom {
     pub layers: Vec<Layer>,
     pub lights: Vec<Light>,
     pub look: Look,
+    pub lod: LodSettings,
     pub simulation: SimulationSettings,
 }
 
@@ -37,6 +39,7 @@ impl Default for Groom {
             layers: Vec::new(),
             lights: three_point_rig(),
             look: Look::default(),
+            lod: LodSettings::default(),
             simulation: SimulationSettings::default(),
         }
     }

@@ -21,6 +21,7 @@ pub mod history;
 pub mod io;
 pub mod layers;
 pub mod light;
+pub mod lod;
 pub mod look;
 pub mod maps;
 pub mod mean_value;

@@ -8,11 +8,13 @@ use glam::Affine3A;
 use lorelei_core::generate::Lod;
 use lorelei_core::groom::Groom;
 use lorelei_core::io::Watch;
+use lorelei_core::lod::{LodBlend, MOST_WIDER};
+use lorelei_core::maps::MapKind;
 use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
-use crate::mirror::{Mirror, MirrorError, Sort, StrandBuffers};
+use crate::mirror::{DrawnLayer, Mirror, MirrorError, Sort, StrandBuffers};
 use crate::overlay::Veil;
 
 /// Makes the strands of a groom.
@@ -36,6 +38,8 @@ pub struct StrandPose<'a> {
     pub guides: &'a [Option<&'a wgpu::Buffer>],
     /// Level of detail: share of the strands that are drawn, 0-1.
     pub lod: f32,
+    /// The levels that are blended; their share of the strands comes on top of `lod`.
+    pub blend: LodBlend,
     /// How much of the hair is drawn where a painted map is looked at.
     pub veil: Veil,
 }
@@ -67,6 +71,9 @@ struct Params {
     n_maps: u32,
     length_map: u32,
     width_map: u32,
+    lod_maps: [u32; 4],
+    lod_between: f32,
+    pad: [u32; 3],
 }
 
 impl StrandGenerator {
@@ -134,10 +141,12 @@ impl StrandGenerator {
             let moved = pose.guides.get(layer_idx).copied().flatten();
             let world_from_guides = if moved.is_some() { Affine3A::IDENTITY } else { pose.world_from_head };
             let lod = match pose.veil {
-                Veil::Full => layer.lod(pose.lod),
-                Veil::Thin => Lod { scale: 1.0, ..layer.lod(pose.lod * Veil::THIN) },
+                Veil::Full => layer.lod(pose.lod * pose.blend.strands),
+                Veil::Thin => Lod { scale: 1.0, ..layer.lod(pose.lod * pose.blend.strands * Veil::THIN) },
                 Veil::Hidden => continue,
             };
+            let place = DrawnLayer { vertices_per_strand: pose.blend.n_vertices(place.vertices_per_strand), ..place };
+            let lod_maps = pose.blend.maps(&layer.binding);
             let params = Params {
                 world_from_head: rows(&pose.world_from_head),
                 head_from_world: rows(&pose.world_from_head.inverse()),
@@ -151,7 +160,7 @@ impl StrandGenerator {
                 first_vertex: place.first_vertex,
                 n_ops: layer.plan.n_ops,
                 n_sizes: layer.binding.clumps.sizes.len() as u32,
-                radius: layer.layer.radius_um * 1e-4,
+                radius: layer.layer.radius_um * 1e-4 * pose.blend.thickness,
                 tip_radius: layer.layer.tip_radius,
                 offset_at_tip: layer.binding.offset_at_tip,
                 lod_scale: lod.scale,
@@ -162,8 +171,14 @@ impl StrandGenerator {
                 n_maps: layer.binding.maps.len() as u32,
                 length_map: layer.plan.length_map,
                 width_map: layer.plan.width_map,
+                lod_maps: lod_maps.map(|map| map.map_or(u32::MAX, |map| map as u32)),
+                lod_between: pose.blend.between,
+                pad: [0; 3],
             };
-            let widest = params.radius * lod.scale * layer.widest_scale;
+            let wider = |maps: &[Option<usize>], most: f32| if maps.iter().any(Option::is_some) { most } else { 1.0 };
+            let painted =
+                wider(&lod_maps[..2], MOST_WIDER) * wider(&lod_maps[2..], MapKind::LodThickness(0).max_value());
+            let widest = params.radius * lod.scale * layer.widest_scale * painted;
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
             let sort = layer.plan.sort();
@@ -183,7 +198,7 @@ impl StrandGenerator {
                     ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
                 ],
             )?;
-            self.mirror.buffers.layers.push(crate::mirror::DrawnLayer { n_strands: lod.n_drawn, ..place });
+            self.mirror.buffers.layers.push(DrawnLayer { n_strands: lod.n_drawn, ..place });
             dispatches.push(Dispatch { bindings, n_drawn: lod.n_drawn, sort });
         }
         Ok(PreparedStrands { dispatches })
@@ -247,6 +262,7 @@ mod tests {
     use lorelei_core::generate::{Pose, generate};
     use lorelei_core::groom::{Head, Layer, Source};
     use lorelei_core::hair_mesh::{HairMesh, Weld};
+    use lorelei_core::lod::LodSettings;
     use lorelei_core::maps::{MapKind, ScalpMap};
     use lorelei_core::mesh::TriMesh;
     use lorelei_core::strands::{Strands, polyline_length};
@@ -340,8 +356,9 @@ mod tests {
             let map = ScalpMap::from_fn(64, 64, |x, y| (4 * x).max(2 * y) as u8).expect("sides within the limits");
             (kind, Arc::new(map))
         };
-        let kinds = [mask, MapKind::Length, MapKind::Width, MapKind::Clump, MapKind::Curl];
-        let maps = kinds.map(painted).into();
+        let lod = [MapKind::LodDensity(1), MapKind::LodThickness(2)];
+        let kinds = [mask, MapKind::Length, MapKind::Width, MapKind::Clump, MapKind::Curl].into_iter().chain(lod);
+        let maps = kinds.map(painted).collect();
         let wisps = Layer { style: drawn, maps, n_strands: 1200, name: "wisps".to_owned(), ..hair.clone() };
         let mut guides = Strands::default();
         for i in 0..40 {
@@ -375,9 +392,15 @@ mod tests {
         let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
         assert_eq!(generator.set_groom(&gpu, &groom).unwrap(), Vec::<String>::new());
         let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::new(3.0, -1.0, 2.0));
-        for (world_from_head, lod) in [(Affine3A::IDENTITY, 1.0), (turned, 0.37), (turned, 0.0)] {
+        let between = LodSettings::default().blend(1.4);
+        for (world_from_head, lod, blend) in [
+            (Affine3A::IDENTITY, 1.0, LodBlend::default()),
+            (turned, 0.37, LodBlend::default()),
+            (turned, 0.0, LodBlend::default()),
+            (turned, 0.9, between),
+        ] {
             let vertices =
-                make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod, veil: Veil::Full });
+                make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod, blend, veil: Veil::Full });
             let mut worst: f32 = 0.0;
             for (layer_idx, layer) in groom.layers.iter().enumerate() {
                 let binding = generator.mirror().binding(layer_idx).unwrap();
@@ -385,7 +408,7 @@ mod tests {
                 let guides: Vec<Vec3> =
                     binding.guides.positions.iter().map(|p| world_from_head.transform_point3(*p)).collect();
                 let field = generator.mirror().field().map(|field| &**field);
-                let strands = generate(binding, layer, &guides, &Pose { world_from_head, field, lod });
+                let strands = generate(binding, layer, &guides, &Pose { world_from_head, field, lod, blend });
                 assert_eq!(drawn.n_strands as usize, strands.n_strands());
                 assert_eq!(drawn.material as usize, layer_idx);
                 for s in 0..strands.n_strands() {
@@ -435,7 +458,13 @@ mod tests {
         make(
             &gpu,
             &mut generator,
-            &StrandPose { world_from_head: Affine3A::IDENTITY, guides: &[], lod: 1.0, veil: Veil::Full },
+            &StrandPose {
+                world_from_head: Affine3A::IDENTITY,
+                guides: &[],
+                lod: 1.0,
+                blend: LodBlend::default(),
+                veil: Veil::Full,
+            },
         );
         assert_eq!(generator.strands().layers.len(), 2);
         let mut broken = falling_hair();

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Affine3A;
 use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::io::Watch;
+use lorelei_core::lod::LodBlend;
 use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
@@ -67,6 +68,7 @@ struct HairKey {
     world_from_head: Affine3A,
     guides_stamp: u64,
     lod: f32,
+    blend: LodBlend,
     veil: Veil,
 }
 
@@ -214,7 +216,8 @@ impl Renderer {
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let lod = (look.lod * input.lod_scale).clamp(0.0, 1.0);
         let veil = self.head.overlay().map_or(Veil::Full, |overlay| overlay.veil);
-        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod, veil };
+        let blend = groom.lod.drawn(self.ball.share_of_picture(input.camera));
+        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod, blend, veil };
         let prepared = self.generator.prepare(gpu, library, &pose)?;
         let strands = self.generator.strands();
         let lights = SceneLights::new(&groom.lights);
@@ -242,6 +245,7 @@ impl Renderer {
             world_from_head: input.world_from_head,
             guides_stamp: input.guides_stamp,
             lod,
+            blend,
             veil,
         };
         let shadow_key = ShadowKey {

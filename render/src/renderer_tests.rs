@@ -3,6 +3,7 @@
 use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
+use lorelei_core::lod::LodChoice;
 use lorelei_core::look::{Background, HeadShading, Primitive, Shadowing, Transparency};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
@@ -230,4 +231,27 @@ fn a_device_that_is_destroyed_is_an_error_and_not_a_panic() {
     renderer.render_pixels(&input(&camera)).unwrap();
     renderer.gpu.device.destroy();
     renderer.render_pixels(&input(&camera)).unwrap_err();
+}
+
+#[test]
+fn neighbouring_levels_of_detail_look_alike() {
+    let camera = camera();
+    let mut groom = sample_groom(4000, 24);
+    let mut renderer = renderer(&groom);
+    let mut at = |level: f32| {
+        groom.lod.choice = LodChoice::Level(level);
+        renderer.set_groom(&groom).unwrap();
+        renderer.render_pixels(&input(&camera)).unwrap()
+    };
+    let mut worst: f64 = 0.0;
+    let mut before = at(0.0);
+    for step in 1..=30 {
+        let now = at(0.1 * step as f32);
+        let squared = before.rgba.iter().zip(&now.rgba).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2));
+        worst = worst.max((squared.sum::<f64>() / now.rgba.len() as f64).sqrt() / 255.0);
+        before = now;
+    }
+    println!("a tenth of a level apart, pictures differ by {worst:.4} RMSE at most");
+    // A tenth of a level is a second of walking away at the size where it begins.
+    assert!(worst < 0.03, "{worst}");
 }

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::light::{INTENSITY_DISTANCE, Light, LightKind};
 use lorelei_core::look::{Environment, Look};
@@ -144,6 +145,12 @@ pub struct Ball {
 }
 
 impl Ball {
+    /// Height in the picture as a share of the picture's.
+    pub fn share_of_picture(&self, camera: &Camera) -> f32 {
+        let distance = camera.eye().distance(self.centre).max(1e-3);
+        self.radius / (distance * (0.5 * camera.fov_y_deg.to_radians()).tan())
+    }
+
     /// Around the head and the hair at rest, with room for hair that swings.
     pub fn of_groom(groom: &Groom) -> Self {
         let mut bounds = groom.head.as_ref().and_then(|head| head.mesh.bounds());

@@ -37,6 +37,15 @@ struct Params {
     // Which painted map says how long and how wide a strand is; NONE where none was painted.
     length_map: u32,
     width_map: u32,
+    // Painted maps of the two levels of detail that are blended, and the share of the second.
+    lod_density_from: u32,
+    lod_density_to: u32,
+    lod_thickness_from: u32,
+    lod_thickness_to: u32,
+    lod_between: f32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 struct Strand {
@@ -91,6 +100,8 @@ struct Op {
 @group(0) @binding(9) var<storage, read> curves: array<f32>;
 @group(0) @binding(10) var<storage, read> map_values: array<f32>;
 
+// LodBlend: how many times wider a strand gets, at most, where a painted map took its neighbours away.
+const MOST_WIDER: f32 = 4.0;
 const NONE: u32 = 0xFFFFFFFFu;
 
 // 0: a kernel for styles of lengths, clumps, waves, curls, frizz and deviations alone, without drawn curves, painted
@@ -257,6 +268,17 @@ fn map_value(strand_idx: u32, map_idx: u32) -> f32 {
         return 1.0;
     }
     return map_values[strand_idx * params.n_maps + map_idx];
+}
+
+// What the maps of the levels of detail say of a strand: the share of its neighbours that is left, and how many times
+// wider it is. Twin of LodBlend::painted.
+fn lod_painted(strand_idx: u32) -> vec2<f32> {
+    let between = params.lod_between;
+    let kept = map_value(strand_idx, params.lod_density_from) * (1.0 - between)
+        + map_value(strand_idx, params.lod_density_to) * between;
+    let thickness = map_value(strand_idx, params.lod_thickness_from) * (1.0 - between)
+        + map_value(strand_idx, params.lod_thickness_to) * between;
+    return vec2<f32>(kept, thickness * min(1.0 / max(kept, 1e-3), MOST_WIDER));
 }
 
 // How strong an operator is on a strand: painted maps say where it acts.
@@ -697,7 +719,9 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     let last = params.n_vertices - 1u;
     let n_segments = params.guide_vertices - 1u;
     let first_knot = strands[strand_idx].first_knot;
-    let width = params.lod_scale * clamp((params.lod_end - f32(strand_idx)) / params.lod_fade, 0.0, 1.0);
+    let painted = lod_painted(strand_idx);
+    let left = f32(strand_idx) / max(painted.x, 1e-6);
+    let width = params.lod_scale * clamp((params.lod_end - left) / params.lod_fade, 0.0, 1.0) * painted.y;
     let radius =
         params.radius * strands[strand_idx].radius_scale * width * map_value(strand_idx, params.width_map);
     let out_at = params.first_vertex + strand_idx * params.n_vertices;

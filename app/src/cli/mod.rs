@@ -5,7 +5,9 @@
 mod apply;
 mod convert;
 mod info;
+mod lod;
 mod looks;
+mod map;
 mod measure;
 mod read_as;
 mod render;
@@ -84,6 +86,10 @@ enum Command {
     Convert(convert::ConvertArguments),
     /// Replay a list of edits on a groom.
     Apply(apply::ApplyArguments),
+    /// A painted map out of a groom as a picture, or a picture into it.
+    Map(map::MapArguments),
+    /// The levels of detail side by side with what each costs, or the level that meets a target.
+    Lod(lod::LodArguments),
 }
 
 /// Why a command did not do its work.
@@ -123,6 +129,8 @@ pub fn run() -> ExitCode {
         Some(Command::Measure(arguments)) => measure::run(&arguments),
         Some(Command::Convert(arguments)) => convert::run(&arguments),
         Some(Command::Apply(arguments)) => apply::run(&arguments),
+        Some(Command::Map(arguments)) => map::run(&arguments),
+        Some(Command::Lod(arguments)) => lod::run(&arguments),
         None => window::open(&window::StartOptions {
             file: arguments.file,
             head: arguments.head,

@@ -6,6 +6,7 @@ use std::time::Instant;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::io::{Watch, write_atomically};
+use lorelei_core::lod::LodChoice;
 use lorelei_core::look::Choice;
 use lorelei_core::motion::Motion;
 use lorelei_shaders::Gpu;
@@ -50,6 +51,9 @@ pub struct RenderArguments {
     /// Camera and lights from a file; --camera then only counts where the file has none.
     #[arg(long, value_name = "FILE.ron")]
     setup: Option<PathBuf>,
+    /// Level of detail: off (the finest), auto (by size in the picture), or a level such as 1.5, between two of them.
+    #[arg(long, value_name = "LEVEL", value_parser = parse_lod)]
+    lod: Option<LodChoice>,
     /// Strands in all, shared out over the layers as they are now.
     #[arg(long, value_name = "N")]
     strands: Option<u32>,
@@ -77,14 +81,14 @@ pub struct RenderArguments {
 
 /// Where the camera looks from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct View {
+pub(super) struct View {
     azimuth_deg: f32,
     elevation_deg: f32,
     /// `None`: so that all fills the picture.
     distance: Option<f32>,
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(['x', 'X']).map(|(w, h)| (w.parse::<u32>(), h.parse::<u32>()));
     match sides {
         Some((Ok(width @ 1..=16384), Ok(height @ 1..=16384))) => Ok([width, height]),
@@ -92,7 +96,7 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-fn parse_view(text: &str) -> Result<View, String> {
+pub(super) fn parse_view(text: &str) -> Result<View, String> {
     let named = match text {
         "front" => Some((0.0, 5.0)),
         "side" => Some((90.0, 5.0)),
@@ -117,6 +121,17 @@ fn parse_view(text: &str) -> Result<View, String> {
     }
 }
 
+fn parse_lod(text: &str) -> Result<LodChoice, String> {
+    match text {
+        "off" => Ok(LodChoice::Finest),
+        "auto" => Ok(LodChoice::Automatic),
+        _ => {
+            let level = text.parse::<f32>().ok().filter(|level| (0.0..8.0).contains(level));
+            level.map(LodChoice::Level).ok_or_else(|| "off, auto, or a level from 0 on".to_owned())
+        }
+    }
+}
+
 fn parse_motion(text: &str) -> Result<Motion, String> {
     let found = Motion::ALL.iter().find(|motion| motion.info().name == text);
     let names: Vec<&str> = Motion::ALL.iter().map(|motion| motion.info().name).collect();
@@ -137,6 +152,9 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     set::apply(&mut groom, &arguments.assignments)?;
     if let Some(n_strands) = arguments.strands {
         set_strand_count(&mut groom, n_strands);
+    }
+    if let Some(choice) = arguments.lod {
+        groom.lod.choice = choice;
     }
     let setup = arguments.setup.as_deref().map(setup::read).transpose()?.unwrap_or_default();
     if let Some(lights) = setup.lights {
@@ -263,7 +281,7 @@ fn set_strand_count(groom: &mut Groom, n_strands: u32) {
     }
 }
 
-fn camera_of(groom: &Groom, view: View, size: [u32; 2]) -> Camera {
+pub(super) fn camera_of(groom: &Groom, view: View, size: [u32; 2]) -> Camera {
     let mut camera = Camera { azimuth_deg: view.azimuth_deg, elevation_deg: view.elevation_deg, ..Camera::default() };
     camera.frame(bounds_of(groom), size[0] as f32 / size[1] as f32);
     if let Some(distance) = view.distance {

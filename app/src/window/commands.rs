@@ -54,6 +54,8 @@ pub enum Command {
     DetachLayer,
     LoadStyle,
     SaveStyle,
+    DrawLevels,
+    SolveLevel,
     Palette,
     Shortcuts,
     /// Take a tool; the one that is taken already is put down.
@@ -149,6 +151,8 @@ pub const COMMANDS: &[Row] = &[
     row(Command::Tool(Tool::Mesh), "Tools", "Model the hair mesh", "Its faces, edges and vertices; again: back to Select", &[key(Key::Tab)]),
     row(Command::Tool(Tool::Sculpt), "Tools", "Sculpt", "Comb, cut and shape with brushes", &[shift(Key::S)]),
     row(Command::Tool(Tool::Paint), "Tools", "Paint maps", "Density, length and more, over the scalp", &[shift(Key::P)]),
+    row(Command::DrawLevels, "View", "Draw the levels of detail", "Side by side in the panel Levels, with strands and times", &[]),
+    row(Command::SolveLevel, "Edit", "Level of detail for a time", "The level whose frame takes as long as the panel Levels says", &[]),
     row(Command::Palette, "Help", "Find a command\u{2026}", "Search everything the studio can do", &[key(Key::F3), ctrl(Key::P)]),
     row(Command::Shortcuts, "Help", "Shortcuts", "This sheet", &[key(Key::F1)]),
 ];

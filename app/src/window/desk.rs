@@ -11,6 +11,7 @@ use lorelei_core::record::Macro;
 use super::commands::Command;
 use super::document::Document;
 use super::notices::Notices;
+use super::panels::lod::LodPanel;
 use super::settings::Settings;
 use super::tools::Tools;
 use crate::stage::Playback;
@@ -51,6 +52,7 @@ pub struct Desk {
     pub settings: Settings,
     pub show_handles: bool,
     pub tools: Tools,
+    pub levels: LodPanel,
     /// Commands that panels ask for; run at the end of the frame.
     pub asked: Vec<Command>,
     /// What is being renamed in the outliner, and the text so far.
@@ -76,6 +78,7 @@ impl Default for Desk {
             settings: Settings::default(),
             show_handles: true,
             tools: Tools::default(),
+            levels: LodPanel::default(),
             asked: Vec::new(),
             renaming: None,
             recorder: None,

@@ -22,11 +22,12 @@ pub enum Panel {
     Lights,
     Simulation,
     Statistics,
+    Levels,
     History,
 }
 
 impl Panel {
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Viewport,
         Self::Outliner,
         Self::Properties,
@@ -35,6 +36,7 @@ impl Panel {
         Self::Lights,
         Self::Simulation,
         Self::Statistics,
+        Self::Levels,
         Self::History,
     ];
 
@@ -48,6 +50,7 @@ impl Panel {
             Self::Lights => "Lights",
             Self::Simulation => "Movement",
             Self::Statistics => "Statistics",
+            Self::Levels => "Levels",
             Self::History => "History",
         }
     }
@@ -70,7 +73,7 @@ pub fn default_layout() -> Tree<Panel> {
     };
     let left = column(&[&[Panel::Outliner], &[Panel::Properties, Panel::Tool]], &[0.4, 0.6]);
     let right = column(
-        &[&[Panel::Look, Panel::Lights, Panel::Simulation], &[Panel::Statistics, Panel::History]],
+        &[&[Panel::Look, Panel::Lights, Panel::Simulation], &[Panel::Statistics, Panel::Levels, Panel::History]],
         &[0.64, 0.36],
     );
     let viewport = tiles.insert_pane(Panel::Viewport);
@@ -118,6 +121,7 @@ impl egui_tiles::Behavior<Panel> for Behavior<'_> {
                         Panel::Lights => panels::lights::ui(ui, self.desk),
                         Panel::Simulation => panels::simulation::ui(ui, self.desk),
                         Panel::Statistics => panels::statistics::ui(ui, self.desk),
+                        Panel::Levels => panels::lod::ui(ui, self.desk),
                         Panel::History => panels::history::ui(ui, self.desk),
                     }
                 });

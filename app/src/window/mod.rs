@@ -28,6 +28,7 @@ use std::path::Path;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::history::Merge;
+use lorelei_core::lod::LodChoice;
 use lorelei_core::motion::HeadPose;
 use lorelei_core::script::Step;
 use lorelei_shaders::Gpu;
@@ -312,6 +313,14 @@ impl Studio {
                     if let Some(next) = self.after_save.take() {
                         self.go_on(ctx, next);
                     }
+                }
+                Done::Levels { levels } => self.desk.levels.show(ctx, levels),
+                Done::Level { level, ms } => {
+                    let mut lod = self.desk.document.groom.lod.clone();
+                    lod.choice = LodChoice::Level(level);
+                    self.desk.document.edit("Level for a time", Edit::SetLod(Box::new(lod)), Merge::New);
+                    let text = format!("Level {level:.2} takes {ms:.1} ms");
+                    self.desk.notices.push(Severity::Info, "Level of detail", text);
                 }
                 Done::MapLoaded { kind, map } => tools::paint::take_map(&mut self.desk, kind, map),
                 Done::PictureSaved { path } => {

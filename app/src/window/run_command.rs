@@ -4,6 +4,7 @@ use std::path::Path;
 
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
+use lorelei_core::io::Watch;
 use lorelei_core::look::Shadowing;
 use lorelei_core::motion::{HeadPose, Motion};
 
@@ -90,6 +91,16 @@ impl Studio {
             }
             Command::Tool(tool) => self.take_tool(ctx, tool),
             Command::Mesh(command) => tools::mesh::run(&mut self.desk, command),
+            Command::DrawLevels => {
+                let (groom, camera) = (self.desk.document.groom.clone(), self.desk.camera);
+                self.jobs.start(ctx, "Drawing the levels", move |watch| jobs::draw_levels(&groom, camera, watch));
+            }
+            Command::SolveLevel => {
+                let (groom, camera, size) = (self.desk.document.groom.clone(), self.desk.camera, self.viewport.size);
+                let target = self.desk.levels.target_ms;
+                let work = move |watch: Watch<'_>| jobs::solve_level(&groom, camera, size, target, watch);
+                self.jobs.start(ctx, "Looking for a level of detail", work);
+            }
             Command::Paint(PaintCommand::Load) => self.choose(ctx, Purpose::LoadMap),
             Command::Paint(PaintCommand::Save) => self.choose(ctx, Purpose::SaveMap),
             Command::Paint(command) => tools::paint::commands::run(&mut self.desk, command),

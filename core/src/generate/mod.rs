@@ -15,6 +15,7 @@ use crate::curve::catmull_rom_weights;
 use crate::distance_field::DistanceField;
 use crate::groom::Layer;
 use crate::hash::random;
+use crate::lod::LodBlend;
 use crate::strands::Strands;
 use crate::style::StyleKind;
 use plan::Plan;
@@ -33,11 +34,13 @@ pub struct Pose<'a> {
     pub field: Option<&'a DistanceField>,
     /// Level of detail: share of the strands that are drawn, 0-1.
     pub lod: f32,
+    /// The levels that are blended; their share of the strands comes on top of `lod`.
+    pub blend: LodBlend,
 }
 
 impl Default for Pose<'_> {
     fn default() -> Self {
-        Self { world_from_head: Affine3A::IDENTITY, field: None, lod: 1.0 }
+        Self { world_from_head: Affine3A::IDENTITY, field: None, lod: 1.0, blend: LodBlend::default() }
     }
 }
 
@@ -77,7 +80,12 @@ impl Lod {
 
     /// Width of strand `strand_idx` as a share of its width at level of detail 1.
     pub fn width(&self, strand_idx: usize) -> f32 {
-        self.scale * ((self.end - strand_idx as f32) / self.fade).clamp(0.0, 1.0)
+        self.painted_width(strand_idx, 1.0)
+    }
+
+    /// The same where a painted map keeps this share of the strands.
+    pub fn painted_width(&self, strand_idx: usize, kept: f32) -> f32 {
+        self.scale * ((self.end - strand_idx as f32 / kept.max(1e-6)) / self.fade).clamp(0.0, 1.0)
     }
 }
 
@@ -85,8 +93,9 @@ impl Lod {
 /// `binding.guides.positions`).
 pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3], pose: &Pose<'_>) -> Strands {
     assert_eq!(guide_positions.len(), binding.guides.positions.len(), "as many guide vertices as were bound");
-    let n_vertices = layer.vertices_per_strand.clamp(4, 128) as usize;
-    let lod = Lod::new(binding.n_strands(), pose.lod);
+    let n_vertices = pose.blend.n_vertices(layer.vertices_per_strand.clamp(4, 128)) as usize;
+    let lod = Lod::new(binding.n_strands(), pose.lod * pose.blend.strands);
+    let lod_maps = pose.blend.maps(binding);
     let n_drawn = lod.n_drawn as usize;
     let plan = Plan::new(&layer.style, binding);
     let generator = Generator { binding, plan: &plan, guide_positions, pose, n_vertices };
@@ -94,7 +103,10 @@ pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3],
     points.par_chunks_exact_mut(n_vertices).enumerate().for_each(|(strand_idx, out)| generator.strand(strand_idx, out));
     let radii_um = (0..n_drawn)
         .flat_map(|strand_idx| {
-            let scale = binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0) * lod.width(strand_idx);
+            let (kept, wider) = pose.blend.painted(binding, lod_maps, strand_idx);
+            let scale = binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0)
+                * lod.painted_width(strand_idx, kept)
+                * (pose.blend.thickness * wider);
             let scale = scale * binding.map_value(strand_idx, plan.width_map, 1.0);
             (0..n_vertices)
                 .map(move |v| layer.radius_um * scale * taper(v as f32 / (n_vertices - 1) as f32, layer.tip_radius))

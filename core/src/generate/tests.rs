@@ -9,6 +9,7 @@ use crate::groom::{Head, Source, StrandCount};
 use crate::hair_mesh::tests::straight_grid;
 use crate::hair_mesh::{HairMesh, Weld};
 use crate::io::Watch;
+use crate::lod::LodSettings;
 use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mean_value::mean_value_weights;
 use crate::mesh::TriMesh;
@@ -536,4 +537,43 @@ fn another_density_chooses_among_known_places() {
     let counted = bind_layer(&counted_where_full(&total, Some(&head)), Some(&head)).n_strands();
     assert!((counted as f32 / 50_000.0 - 1.0).abs() < 0.03, "{counted}");
     assert!(chosen.as_secs_f32() < 5.0);
+}
+
+#[test]
+fn levels_of_detail_keep_the_covered_area_where_maps_are_painted_too() {
+    let mut ball = sphere(Vec3::ZERO, 8.0, 48);
+    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
+    let head = Head::new("ball", ball);
+    let mut mesh = straight_grid(4, 0);
+    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
+    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    let mut layer = layer(mesh, 20_000);
+    // Level 1 keeps half of what it has on one side.
+    let half = ScalpMap::from_fn(64, 64, |x, _| if x < 32 { 255 } else { 128 }).unwrap();
+    layer.maps.insert(MapKind::LodDensity(1), Arc::new(half));
+    let binding = bind_layer(&layer, Some(&head));
+    let settings = LodSettings::default();
+    // Area of each side, and strands of each side that are drawn.
+    let at = |level: f32| -> ([f32; 2], [usize; 2]) {
+        let pose = Pose { blend: settings.blend(level), ..Pose::default() };
+        let strands = generate(&binding, &layer, &binding.guides.positions, &pose);
+        let (mut areas, mut counts) = ([0.0; 2], [0; 2]);
+        for s in 0..strands.n_strands() {
+            let side = usize::from(binding.root_uvs[s][0] > 0.5);
+            let radius = strands.radii_um[strands.range(s).start];
+            areas[side] += polyline_length(strands.strand(s)) * radius;
+            counts[side] += usize::from(radius > 0.0);
+        }
+        (areas, counts)
+    };
+    let (full, _) = at(0.0);
+    for step in 0..=30 {
+        let (areas, _) = at(0.1 * step as f32);
+        let ratio = (areas[0] + areas[1]) / (full[0] + full[1]);
+        assert!((ratio - 1.0).abs() < 0.03, "level {}: {ratio}", 0.1 * step as f32);
+    }
+    let (areas, counts) = at(1.0);
+    let (kept, covered) = (counts[1] as f32 / counts[0] as f32, areas[1] / areas[0] / (full[1] / full[0]));
+    assert!((0.45..0.56).contains(&kept), "{counts:?}");
+    assert!((covered - 1.0).abs() < 0.06, "{areas:?} of {full:?}");
 }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, mpsc};
 
+use lorelei_core::camera::Camera;
 use lorelei_core::document;
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Groom, Head, Layer, Source};
@@ -13,6 +14,7 @@ use lorelei_core::maps::picture::{self, PictureError, PictureKind};
 use lorelei_core::maps::{MapKind, ScalpMap};
 use lorelei_core::script::{self, Step};
 
+use crate::lod_strip::{LevelPicture, LevelStage};
 use crate::open;
 use crate::window::recovery::Restored;
 
@@ -43,6 +45,15 @@ pub enum Done {
     },
     PictureSaved {
         path: PathBuf,
+    },
+    /// Levels of detail, drawn.
+    Levels {
+        levels: Vec<LevelPicture>,
+    },
+    /// The level whose frames take a target's time, and what they take, milliseconds.
+    Level {
+        level: f32,
+        ms: f32,
     },
     MapLoaded {
         kind: MapKind,
@@ -297,6 +308,58 @@ pub fn play_macro(mut groom: Groom, path: &Path, watch: Watch<'_>) -> Done {
         Err(refusal) => {
             failed(format!("{refusal}\nNothing was changed. It was made for another groom, or has a fault"))
         }
+    }
+}
+
+/// Pixels of a level's picture in the strip.
+const STRIP_SIZE: [u32; 2] = [220, 220];
+
+/// Draw every level of detail.
+pub fn draw_levels(groom: &Groom, camera: Camera, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: "The levels could not be drawn".to_owned(), why };
+    let mut stage = match LevelStage::new(groom, camera, STRIP_SIZE) {
+        Ok(stage) => stage,
+        Err(why) => return failed(why.to_string()),
+    };
+    let n = groom.lod.levels.len();
+    let mut levels = Vec::with_capacity(n);
+    for level in 0..n {
+        if watch.cancelled() {
+            return Done::Cancelled;
+        }
+        match stage.draw(level as f32) {
+            Ok(drawn) => levels.push(drawn),
+            Err(why) => return failed(why.to_string()),
+        }
+        watch.progress((level + 1) as f32 / n as f32);
+    }
+    Done::Levels { levels }
+}
+
+/// Find the level whose frames, of a picture's size, take so many milliseconds.
+pub fn solve_level(groom: &Groom, camera: Camera, size: [u32; 2], target_ms: f32, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: "No level could be found".to_owned(), why };
+    let mut stage = match LevelStage::new(groom, camera, size) {
+        Ok(stage) => stage,
+        Err(why) => return failed(why.to_string()),
+    };
+    let mut failure = None;
+    let (level, ms) = groom.lod.solve(target_ms, |level| {
+        if watch.cancelled() || failure.is_some() {
+            return 0.0;
+        }
+        stage.draw(level).map_or_else(
+            |why| {
+                failure = Some(why);
+                0.0
+            },
+            |drawn| drawn.ms,
+        )
+    });
+    match failure {
+        Some(why) => failed(why.to_string()),
+        None if watch.cancelled() => Done::Cancelled,
+        None => Done::Level { level, ms },
     }
 }
 

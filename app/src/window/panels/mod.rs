@@ -3,6 +3,7 @@
 mod curve_editor;
 pub mod history;
 pub mod lights;
+pub mod lod;
 pub mod look;
 pub mod outliner;
 pub mod properties;

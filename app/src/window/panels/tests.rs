@@ -5,7 +5,7 @@ use egui::{Event, Order, Pos2, RawInput, Rect, Sense, Ui, pos2, vec2};
 use lorelei_core::maps::Maps;
 use lorelei_core::style::{StyleKind, StyleOp};
 
-use super::{history, lights, look, outliner, properties, simulation, statistics, style};
+use super::{history, lights, lod, look, outliner, properties, simulation, statistics, style};
 use crate::window::desk::{Desk, Selection};
 use crate::window::document::Document;
 
@@ -81,6 +81,7 @@ fn every_control_of_every_panel_has_a_tooltip() {
     silent.extend(without_tooltip("lights", |ui| lights::ui(ui, &mut desk)));
     silent.extend(without_tooltip("movement", |ui| simulation::ui(ui, &mut desk)));
     silent.extend(without_tooltip("history", |ui| history::ui(ui, &mut desk)));
+    silent.extend(without_tooltip("levels", |ui| lod::ui(ui, &mut desk)));
     assert_eq!(silent, Vec::<String>::new());
 }
 
