@@ -719,9 +719,9 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     let last = params.n_vertices - 1u;
     let n_segments = params.guide_vertices - 1u;
     let first_knot = strands[strand_idx].first_knot;
-    let painted = lod_painted(strand_idx);
-    let left = f32(strand_idx) / max(painted.x, 1e-6);
-    let width = params.lod_scale * clamp((params.lod_end - left) / params.lod_fade, 0.0, 1.0) * painted.y;
+    let of_lod = lod_painted(strand_idx);
+    let left = f32(strand_idx) / max(of_lod.x, 1e-6);
+    let width = params.lod_scale * clamp((params.lod_end - left) / params.lod_fade, 0.0, 1.0) * of_lod.y;
     let radius =
         params.radius * strands[strand_idx].radius_scale * width * map_value(strand_idx, params.width_map);
     let out_at = params.first_vertex + strand_idx * params.n_vertices;
