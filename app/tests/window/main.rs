@@ -7,6 +7,7 @@
 
 mod controls;
 mod modelling;
+mod painting;
 mod sample;
 mod studio;
 mod survival;
