@@ -181,7 +181,9 @@ impl StrandGenerator {
             let widest = params.radius * lod.scale * layer.widest_scale * painted;
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
-            let sort = layer.plan.sort();
+            // The plain kernel reads no maps.
+            let reads_maps = lod_maps.iter().any(Option::is_some);
+            let sort = if reads_maps && layer.plan.sort() == Sort::Plain { Sort::Full } else { layer.plan.sort() };
             let bindings = self.kernel_for(sort).bind(
                 gpu,
                 &[
