@@ -14,7 +14,7 @@ use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibra
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
-use crate::mirror::{DrawnLayer, Mirror, MirrorError, Sort, StrandBuffers};
+use crate::mirror::{DrawnLayer, LayerMirror, Mirror, MirrorError, Sort, StrandBuffers};
 use crate::overlay::Veil;
 
 /// Makes the strands of a groom.
@@ -116,7 +116,9 @@ impl StrandGenerator {
         pose: &StrandPose<'_>,
     ) -> Result<PreparedStrands, ShaderError> {
         self.plain.refresh(library, |library| plain(library, gpu));
-        if self.full.is_none() && self.mirror.layers.iter().any(|layer| layer.plan.sort() == Sort::Full) {
+        let reads_maps = |layer: &LayerMirror| pose.blend.maps(&layer.binding).iter().any(Option::is_some);
+        let needs_full = |layer: &LayerMirror| layer.plan.sort() == Sort::Full || reads_maps(layer);
+        if self.full.is_none() && self.mirror.layers.iter().any(needs_full) {
             self.full = Some(Hot::new(library, |library| full(library, gpu))?);
         }
         if let Some(kernel) = &mut self.full {
@@ -182,8 +184,8 @@ impl StrandGenerator {
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
             // The plain kernel reads no maps.
-            let reads_maps = lod_maps.iter().any(Option::is_some);
-            let sort = if reads_maps && layer.plan.sort() == Sort::Plain { Sort::Full } else { layer.plan.sort() };
+            let sort =
+                if reads_maps(layer) && layer.plan.sort() == Sort::Plain { Sort::Full } else { layer.plan.sort() };
             let bindings = self.kernel_for(sort).bind(
                 gpu,
                 &[
