@@ -10,6 +10,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
+mod places;
+
 use crate::clumps::{BundleReach, Clumps, Path};
 use crate::groom::{Head, Layer, Source, StrandCount};
 use crate::guides::{GuideSet, Influence};
@@ -23,8 +25,11 @@ use crate::mesh::TriMesh;
 use crate::mesh_query::MeshQuery;
 use crate::point_grid::PointGrid;
 use crate::roots::{Root, RootSurface, key, select};
+use crate::sculpt::SculptShares;
 use crate::strands::Strands;
 use crate::style::StyleOp;
+
+pub(crate) use places::{bind_places, same_side};
 
 /// A layer's strands as shares in guides. All arrays per strand are `n_strands()` long.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,6 +71,8 @@ pub struct LayerBinding {
     /// Where strands may stand, for another density; `None` where they stand where they were imported.
     places: Option<Arc<Places>>,
     pub clumps: Clumps,
+    /// Each strand's share in the layer's sculpt guides.
+    pub sculpt: SculptShares,
 }
 
 /// Root layers farther from the head than this were not meant to lie on it, in centimetres.
@@ -117,6 +124,8 @@ pub fn rebind_layer(
     done(0.6)?;
     binding.resample_maps(layer);
     binding.restyle(&layer.style);
+    done(0.9)?;
+    binding.resculpt(layer, head);
     done(1.0)?;
     Some(binding)
 }
@@ -206,6 +215,13 @@ impl LayerBinding {
         map_idx.map_or(default, |i| self.map_values[strand_idx * self.maps.len() + i])
     }
 
+    /// Find the shares in the sculpt guides again, where the layer has others; nothing else depends on it.
+    pub fn resculpt(&mut self, layer: &Layer, head: Option<&Head>) {
+        if !self.sculpt.are_of(&layer.sculpt.roots, self.n_strands()) {
+            self.sculpt = SculptShares::find(self, layer, head);
+        }
+    }
+
     /// Bytes held by the arrays.
     pub fn n_bytes(&self) -> usize {
         self.guides.n_bytes()
@@ -223,6 +239,7 @@ impl LayerBinding {
                 .as_ref()
                 .map_or(0, |places| size_of_val(places.roots.as_slice()) + size_of_val(places.places.as_slice()))
             + size_of_val(self.clumps.middles.as_slice())
+            + size_of_val(self.sculpt.shares.as_slice())
     }
 
     fn with_capacity(guides: GuideSet, n_strands: usize) -> Self {

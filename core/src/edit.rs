@@ -18,6 +18,7 @@ use crate::lod::LodSettings;
 use crate::look::Look;
 use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, Tile, TileChange};
+use crate::sculpt::{self, Sculpt, SculptChange, SculptGuide, SculptInfo, SculptLayer, SculptRoots, Stroke};
 use crate::simulation::SimulationSettings;
 use crate::style::StyleOp;
 
@@ -96,6 +97,46 @@ pub enum Edit {
         layer_idx: usize,
         moves: Vec<(VertexId, Vec3)>,
     },
+    /// Set guides of a sculpt layer: what a stroke of a brush comes to.
+    Sculpt {
+        layer_idx: usize,
+        sculpt_idx: usize,
+        /// In ascending order of guides.
+        changes: Vec<SculptChange>,
+    },
+    /// Where a layer's sculpt guides stand; its first stroke needs them.
+    SetSculptRoots {
+        layer_idx: usize,
+        roots: Arc<SculptRoots>,
+    },
+    AddSculpt {
+        layer_idx: usize,
+        sculpt_idx: usize,
+        sculpt: Box<SculptLayer>,
+    },
+    RemoveSculpt {
+        layer_idx: usize,
+        sculpt_idx: usize,
+    },
+    /// Take the sculpt layer out and put it back so that it ends at `to`.
+    MoveSculpt {
+        layer_idx: usize,
+        from: usize,
+        to: usize,
+    },
+    /// Name, weight, mask, and whether a sculpt layer is on; its strokes stay.
+    SetSculptInfo {
+        layer_idx: usize,
+        sculpt_idx: usize,
+        info: SculptInfo,
+    },
+    /// A stroke of a sculpt brush as it was made, to be replayed: it finds the guides itself, and makes the sculpt
+    /// layer where `sculpt_idx` is one more than there are. Its inverse is a batch of the edits above.
+    Stroke {
+        layer_idx: usize,
+        sculpt_idx: usize,
+        stroke: Box<Stroke>,
+    },
     /// One after the other, undone as one.
     Batch(Vec<Edit>),
 }
@@ -113,6 +154,10 @@ pub enum EditError {
     NotHairMesh { layer_idx: usize },
     #[error("hair mesh of layer {layer_idx}: {error}")]
     HairMesh { layer_idx: usize, error: HairMeshError },
+    #[error("there is no sculpt layer {sculpt_idx} in layer {layer_idx}, which has {n_sculpts}")]
+    NoSuchSculpt { layer_idx: usize, sculpt_idx: usize, n_sculpts: usize },
+    #[error("layer {layer_idx} cannot be sculpted so: {why}")]
+    Sculpt { layer_idx: usize, why: String },
 }
 
 impl Groom {
@@ -210,6 +255,64 @@ impl Groom {
                 }
                 Edit::MoveVertices { layer_idx, moves }
             }
+            Edit::Sculpt { layer_idx, sculpt_idx, changes } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                let n_guides = sculpt.roots.positions.len();
+                let layer = sculpt_mut(sculpt, layer_idx, sculpt_idx)?;
+                if let Some(why) = sculpt::refuses(&changes, n_guides) {
+                    return Err(EditError::Sculpt { layer_idx, why });
+                }
+                let changes = Arc::make_mut(&mut layer.strokes).apply(&changes);
+                Edit::Sculpt { layer_idx, sculpt_idx, changes }
+            }
+            Edit::SetSculptRoots { layer_idx, roots } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                let before = replace(&mut sculpt.roots, roots);
+                if let Err(why) = sculpt.check() {
+                    sculpt.roots = before;
+                    return Err(EditError::Sculpt { layer_idx, why });
+                }
+                Edit::SetSculptRoots { layer_idx, roots: before }
+            }
+            Edit::AddSculpt { layer_idx, sculpt_idx, sculpt: added } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                let n_sculpts = sculpt.layers.len();
+                if sculpt_idx > n_sculpts {
+                    return Err(EditError::NoSuchSculpt { layer_idx, sculpt_idx, n_sculpts });
+                }
+                if let Err(why) = added.strokes.check(sculpt.roots.positions.len()) {
+                    return Err(EditError::Sculpt { layer_idx, why });
+                }
+                sculpt.layers.insert(sculpt_idx, *added);
+                Edit::RemoveSculpt { layer_idx, sculpt_idx }
+            }
+            Edit::RemoveSculpt { layer_idx, sculpt_idx } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                sculpt_mut(sculpt, layer_idx, sculpt_idx)?;
+                let sculpt = Box::new(sculpt.layers.remove(sculpt_idx));
+                Edit::AddSculpt { layer_idx, sculpt_idx, sculpt }
+            }
+            Edit::MoveSculpt { layer_idx, from, to } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                sculpt_mut(sculpt, layer_idx, from)?;
+                sculpt_mut(sculpt, layer_idx, to)?;
+                let moved = sculpt.layers.remove(from);
+                sculpt.layers.insert(to, moved);
+                Edit::MoveSculpt { layer_idx, from: to, to: from }
+            }
+            Edit::SetSculptInfo { layer_idx, sculpt_idx, info } => {
+                let sculpt = &mut self.layer_mut(layer_idx)?.sculpt;
+                if !info.weight.is_finite() {
+                    return Err(EditError::Sculpt { layer_idx, why: "the weight is no number".to_owned() });
+                }
+                let info = sculpt_mut(sculpt, layer_idx, sculpt_idx)?.set_info(info);
+                Edit::SetSculptInfo { layer_idx, sculpt_idx, info }
+            }
+            Edit::Stroke { layer_idx, sculpt_idx, stroke } => {
+                self.layer_mut(layer_idx)?;
+                let edits = stroke.edits(self, layer_idx, sculpt_idx)?;
+                self.apply_batch(edits)?
+            }
             Edit::Batch(edits) => self.apply_batch(edits)?,
         })
     }
@@ -273,6 +376,11 @@ impl Layer {
     }
 }
 
+fn sculpt_mut(sculpt: &mut Sculpt, layer_idx: usize, sculpt_idx: usize) -> Result<&mut SculptLayer, EditError> {
+    let n_sculpts = sculpt.layers.len();
+    sculpt.layers.get_mut(sculpt_idx).ok_or(EditError::NoSuchSculpt { layer_idx, sculpt_idx, n_sculpts })
+}
+
 impl Edit {
     /// Whether `self` overwrites all that `other` wrote, so that a drag can drop the steps in between.
     pub fn overwrites(&self, other: &Self) -> bool {
@@ -311,6 +419,16 @@ impl Edit {
                 Self::SetMap { layer_idx: a, kind: kind_a, .. },
                 Self::PaintTiles { layer_idx: b, kind: kind_b, .. } | Self::SetMap { layer_idx: b, kind: kind_b, .. },
             ) => (a, kind_a) == (b, kind_b),
+            (
+                Self::SetSculptInfo { layer_idx: a, sculpt_idx: at_a, .. },
+                Self::SetSculptInfo { layer_idx: b, sculpt_idx: at_b, .. },
+            )
+            // Taking a sculpt layer away undoes every stroke on it.
+            | (
+                Self::RemoveSculpt { layer_idx: a, sculpt_idx: at_a },
+                Self::Sculpt { layer_idx: b, sculpt_idx: at_b, .. },
+            ) => (a, at_a) == (b, at_b),
+            (Self::Batch(a), Self::Sculpt { .. }) => a.first().is_some_and(|first| first.overwrites(other)),
             (Self::Batch(a), Self::Batch(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.overwrites(b)),
             _ => false,
         }
@@ -329,6 +447,13 @@ impl Edit {
                         before.push(change.clone());
                     }
                 }
+                true
+            }
+            (
+                Self::Sculpt { layer_idx: a, sculpt_idx: at_a, changes: before },
+                Self::Sculpt { layer_idx: b, sculpt_idx: at_b, changes },
+            ) if (&*a, &*at_a) == (b, at_b) => {
+                sculpt::join_changes(before, changes);
                 true
             }
             (first, later) => first.overwrites(later),
@@ -368,6 +493,22 @@ impl Edit {
             Self::AddLayer { layer, .. } | Self::SetLayer { layer, .. } => {
                 visit_source(&layer.source, visit);
                 layer.maps.values().for_each(|map| map.visit_shared(visit));
+                visit(Arc::as_ptr(&layer.sculpt.roots) as usize, layer.sculpt.roots.n_bytes());
+                for sculpt in &layer.sculpt.layers {
+                    visit(Arc::as_ptr(&sculpt.strokes) as usize, sculpt.strokes.n_bytes());
+                }
+            }
+            Self::Sculpt { changes, .. } => {
+                for guide in changes.iter().filter_map(|change| change.to.as_ref()) {
+                    visit(std::ptr::from_ref(&**guide) as usize, size_of::<SculptGuide>());
+                }
+            }
+            Self::SetSculptRoots { roots, .. } => visit(Arc::as_ptr(roots) as usize, roots.n_bytes()),
+            Self::AddSculpt { sculpt, .. } => {
+                visit(Arc::as_ptr(&sculpt.strokes) as usize, sculpt.strokes.n_bytes());
+            }
+            Self::Stroke { stroke, .. } => {
+                visit(std::ptr::from_ref(&**stroke) as usize, size_of_val(stroke.points.as_slice()));
             }
             Self::PaintTiles { tiles, .. } => {
                 for change in tiles {
@@ -391,6 +532,9 @@ impl Edit {
             | Self::SetStyle { .. }
             | Self::PaintStroke { .. }
             | Self::SetMap { map: None, .. }
+            | Self::RemoveSculpt { .. }
+            | Self::MoveSculpt { .. }
+            | Self::SetSculptInfo { .. }
             | Self::HairMesh { .. }
             | Self::MoveVertices { .. } => {}
         }
@@ -420,6 +564,7 @@ pub(crate) mod tests {
     use crate::maps::paint::StrokePoint;
     use crate::maps::tests::any_kind;
     use crate::mesh::TriMesh;
+    use crate::sculpt::SculptMask;
     use crate::strands::Strands;
     use crate::style::{Profile, StyleKind};
 
@@ -475,6 +620,30 @@ pub(crate) mod tests {
                 let stroke = MapStroke { points: points.to_vec(), value: 0.25, ..MapStroke::default() };
                 Edit::PaintStroke { layer_idx, kind, stroke }
             }),
+            (layer_idx(), 0_usize..3, sculpt_changes()).prop_map(|(layer_idx, sculpt_idx, changes)| Edit::Sculpt {
+                layer_idx,
+                sculpt_idx,
+                changes
+            }),
+            (layer_idx(), 0_usize..9).prop_map(|(layer_idx, n)| {
+                let positions = (0..n).map(|i| Vec3::X * i as f32).collect();
+                Edit::SetSculptRoots { layer_idx, roots: Arc::new(SculptRoots { positions, uvs: Vec::new() }) }
+            }),
+            (layer_idx(), 0_usize..3, sculpt_changes()).prop_map(|(layer_idx, sculpt_idx, changes)| {
+                let mut sculpt = Box::new(SculptLayer::new("added"));
+                Arc::make_mut(&mut sculpt.strokes).apply(&changes);
+                Edit::AddSculpt { layer_idx, sculpt_idx, sculpt }
+            }),
+            (layer_idx(), 0_usize..3).prop_map(|(layer_idx, sculpt_idx)| Edit::RemoveSculpt { layer_idx, sculpt_idx }),
+            (layer_idx(), 0_usize..3, 0_usize..3).prop_map(|(layer_idx, from, to)| Edit::MoveSculpt {
+                layer_idx,
+                from,
+                to
+            }),
+            (layer_idx(), 0_usize..3, "[a-z]{0,4}", -1.0..2.0_f32).prop_map(|(layer_idx, sculpt_idx, name, weight)| {
+                let info = SculptInfo { name, on: weight > 0.0, weight, mask: SculptMask::Inverted };
+                Edit::SetSculptInfo { layer_idx, sculpt_idx, info }
+            }),
             (layer_idx(), any_kind(), proptest::option::of((1_u32..300, any::<u8>()))).prop_map(
                 |(layer_idx, kind, map)| {
                     let map = map.map(|(side, texel)| Arc::new(ScalpMap::filled(side, 70, texel)));
@@ -519,6 +688,15 @@ pub(crate) mod tests {
                 Edit::MoveVertices { layer_idx, moves }
             }),
         ]
+    }
+
+    /// Of few guides, some of them out of range.
+    fn sculpt_changes() -> impl Strategy<Value = Vec<SculptChange>> {
+        proptest::collection::btree_map(0_u32..10, proptest::option::of(-2.0..2.0_f32), 0..5).prop_map(|changes| {
+            let guide =
+                |x: f32| Box::new(SculptGuide { length: x, offsets: [[x; 3]; sculpt::K], ..Default::default() });
+            changes.into_iter().map(|(at, x)| SculptChange { guide: at, to: x.map(guide) }).collect()
+        })
     }
 
     pub(crate) fn any_edit() -> impl Strategy<Value = Edit> {

@@ -12,6 +12,7 @@ use crate::lod::LodSettings;
 use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
 use crate::maps::{MapKind, Maps, ScalpMap};
 use crate::mesh::TriMesh;
+use crate::sculpt::Sculpt;
 use crate::simulation::SimulationSettings;
 use crate::strands::Strands;
 use crate::style::{StyleOp, left_out};
@@ -82,6 +83,8 @@ pub struct Layer {
     pub tip_radius: f32,
     pub seed: u32,
     pub style: Vec<StyleOp>,
+    /// What brushes did, above the style.
+    pub sculpt: Sculpt,
     pub material: HairMaterial,
     /// Painted maps over the scalp's texture coordinates; a kind that is not there is everywhere its default.
     pub maps: Maps,
@@ -276,6 +279,7 @@ impl Layer {
             tip_radius: 0.3,
             seed: 0,
             style: Vec::new(),
+            sculpt: Sculpt::default(),
             material: HairMaterial::default(),
             maps: Maps::new(),
             read_as: None,

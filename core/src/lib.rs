@@ -32,6 +32,7 @@ pub mod point_grid;
 pub mod record;
 pub mod roots;
 pub mod script;
+pub mod sculpt;
 pub mod simulation;
 pub mod strands;
 pub mod style;

@@ -97,7 +97,7 @@ impl Bound {
     pub fn is_behind(&self, groom: &Groom) -> bool {
         let is_current = |layer: &Layer| {
             // Maps other than density are asked again within a frame.
-            let is_current = |known: &BoundLayer| known.has_clumps_of(layer);
+            let is_current = |known: &BoundLayer| known.has_clumps_of(layer) && known.has_sculpt_of(layer);
             self.known(layer).is_some_and(is_current) || self.unmoved(layer).is_some_and(is_current)
         };
         !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
@@ -138,11 +138,21 @@ impl Bound {
     fn known(&self, layer: &Layer) -> Option<&BoundLayer> {
         let mut alike = self.layers.iter().filter(|known| binds_alike(&known.layer, layer));
         let first = alike.clone().next();
-        alike.find(|known| known.has_clumps_of(layer) && known.has_maps_of(layer)).or(first)
+        alike.find(|known| known.is_current(layer)).or(first)
     }
 }
 
 impl BoundLayer {
+    fn is_current(&self, layer: &Layer) -> bool {
+        self.has_clumps_of(layer) && self.has_maps_of(layer) && self.has_sculpt_of(layer)
+    }
+
+    /// Was it bound to the layer's sculpt guides? Where it has none, others do no harm.
+    fn has_sculpt_of(&self, layer: &Layer) -> bool {
+        let roots = &layer.sculpt.roots;
+        roots.positions.is_empty() || self.binding.sculpt.are_of(roots, self.binding.n_strands())
+    }
+
     fn has_clumps_of(&self, layer: &Layer) -> bool {
         Clumps::sizes_of(&layer.style) == self.binding.clumps.sizes
     }
@@ -181,10 +191,11 @@ fn bind(
     }
     if let Some(known) = known {
         let mut bound = BoundLayer { layer: layer.clone(), ..known.clone() };
-        if !known.has_clumps_of(layer) || !known.has_maps_of(layer) {
+        if !known.is_current(layer) {
             let mut binding = LayerBinding::clone(&known.binding);
             binding.restyle(&layer.style);
             binding.resample_maps(layer);
+            binding.resculpt(layer, head);
             bound.binding = Arc::new(binding);
         }
         return Some(bound);

@@ -73,7 +73,8 @@ struct Params {
     width_map: u32,
     lod_maps: [u32; 4],
     lod_between: f32,
-    pad: [u32; 3],
+    n_sculpt: u32,
+    pad: [u32; 2],
 }
 
 impl StrandGenerator {
@@ -117,14 +118,14 @@ impl StrandGenerator {
     ) -> Result<PreparedStrands, ShaderError> {
         self.plain.refresh(library, |library| plain(library, gpu));
         let reads_maps = |layer: &LayerMirror| pose.blend.maps(&layer.binding).iter().any(Option::is_some);
-        let needs_full = |layer: &LayerMirror| layer.plan.sort() == Sort::Full || reads_maps(layer);
+        let needs_full = |layer: &LayerMirror| layer.sort() == Sort::Full || reads_maps(layer);
         if self.full.is_none() && self.mirror.layers.iter().any(needs_full) {
             self.full = Some(Hot::new(library, |library| full(library, gpu))?);
         }
         if let Some(kernel) = &mut self.full {
             kernel.refresh(library, |library| full(library, gpu));
         }
-        if self.ironing.is_none() && self.mirror.layers.iter().any(|layer| layer.plan.sort() == Sort::Ironing) {
+        if self.ironing.is_none() && self.mirror.layers.iter().any(|layer| layer.sort() == Sort::Ironing) {
             self.ironing = Some(Hot::new(library, |library| ironing(library, gpu))?);
         }
         if let Some(kernel) = &mut self.ironing {
@@ -175,7 +176,8 @@ impl StrandGenerator {
                 width_map: layer.plan.width_map,
                 lod_maps: lod_maps.map(|map| map.map_or(u32::MAX, |map| map as u32)),
                 lod_between: pose.blend.between,
-                pad: [0; 3],
+                n_sculpt: layer.composite.guides.len() as u32,
+                pad: [0; 2],
             };
             let wider = |maps: &[Option<usize>], most: f32| if maps.iter().any(Option::is_some) { most } else { 1.0 };
             let painted =
@@ -184,8 +186,7 @@ impl StrandGenerator {
             self.mirror.buffers.widest = self.mirror.buffers.widest.max(widest);
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
             // The plain kernel reads no maps.
-            let sort =
-                if reads_maps(layer) && layer.plan.sort() == Sort::Plain { Sort::Full } else { layer.plan.sort() };
+            let sort = if reads_maps(layer) && layer.sort() == Sort::Plain { Sort::Full } else { layer.sort() };
             let bindings = self.kernel_for(sort).bind(
                 gpu,
                 &[
@@ -197,6 +198,7 @@ impl StrandGenerator {
                     ("ops", layer.ops.as_entire_binding()),
                     ("curves", layer.curves.as_entire_binding()),
                     ("map_values", layer.map_values.as_entire_binding()),
+                    ("sculpt", layer.sculpt.as_entire_binding()),
                     ("field", self.mirror.field_buffer.as_entire_binding()),
                     ("knots", layer.knots.as_entire_binding()),
                     ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
@@ -269,6 +271,7 @@ mod tests {
     use lorelei_core::lod::LodSettings;
     use lorelei_core::maps::{MapKind, ScalpMap};
     use lorelei_core::mesh::TriMesh;
+    use lorelei_core::sculpt::{SculptGuide, SculptLayer, SculptRoots};
     use lorelei_core::strands::{Strands, polyline_length};
     use lorelei_core::style::{StyleKind, StyleOp};
 
@@ -379,6 +382,28 @@ mod tests {
         Groom { head: Some(ball(8.0)), layers: vec![hair, fuzz, wisps], ..Groom::default() }
     }
 
+    /// Brushed all over, longer here and shorter there, some of it cut and deleted, its roots slid.
+    fn sculpt(layer: &mut Layer, head: &Head) {
+        layer.sculpt.roots = Arc::new(SculptRoots::of_layer(layer, Some(head)));
+        let mut sculpt = SculptLayer::new("by hand");
+        let strokes = Arc::make_mut(&mut sculpt.strokes);
+        for (id, p) in layer.sculpt.roots.positions.iter().enumerate() {
+            let mut guide = SculptGuide { length: 1.0 + 0.1 * p.x, ..SculptGuide::default() };
+            guide.cut = if p.z > 1.0 { 0.7 } else { 1.0 };
+            guide.keep = (1.0 - 0.3 * p.z).clamp(0.0, 1.0);
+            for (k, offset) in guide.offsets.iter_mut().enumerate() {
+                let along = k as f32 / 15.0;
+                *offset = [along * p.x, 0.5 * along * (3.0 * along + p.z).sin(), along * along];
+                if p.x < -0.5 {
+                    offset[0] -= 0.4;
+                }
+            }
+            strokes.ids.push(id as u32);
+            strokes.guides.push(guide);
+        }
+        layer.sculpt.layers.push(sculpt);
+    }
+
     fn make(gpu: &Gpu, generator: &mut StrandGenerator, pose: &StrandPose<'_>) -> Vec<[f32; 4]> {
         let library = ShaderLibrary::embedded();
         let prepared = generator.prepare(gpu, &library, pose).unwrap();
@@ -390,11 +415,50 @@ mod tests {
 
     #[test]
     fn gpu_strands_are_the_cpus() {
+        assert_alike(&groom());
+    }
+
+    #[test]
+    fn gpu_strands_are_the_cpus_when_they_are_sculpted() {
+        let mut groom = groom();
+        let head = ball(8.0);
+        groom.layers.iter_mut().for_each(|layer| sculpt(layer, &head));
+        assert_alike(&groom);
+        // And nothing else happened to them.
+        groom.layers.iter_mut().for_each(|layer| layer.style.clear());
+        assert_alike(&groom);
+    }
+
+    #[test]
+    fn a_stroke_sends_only_the_guides_that_it_touched() {
+        let gpu = Gpu::headless().unwrap();
+        let mut groom = groom();
+        let head = ball(8.0);
+        let mut generator = StrandGenerator::new(&gpu, &ShaderLibrary::embedded()).unwrap();
+        generator.set_groom(&gpu, &groom).unwrap();
+        assert!(generator.mirror().layers[0].composite.guides.is_empty());
+        sculpt(&mut groom.layers[0], &head);
+        generator.set_groom(&gpu, &groom).unwrap();
+        let first = generator.mirror().layers[0].sculpt.clone();
+        let strokes = Arc::make_mut(&mut groom.layers[0].sculpt.layers[0].strokes);
+        strokes.guides[77].offsets[15] = [1.0, 2.0, 3.0];
+        generator.set_groom(&gpu, &groom).unwrap();
+        let mirror = &generator.mirror().layers[0];
+        assert!(mirror.sculpt == first);
+        let sent: Vec<[f32; 4]> = gpu.read_buffer(&mirror.sculpt).unwrap();
+        assert_eq!(sent[77 * 16 + 15][..3], [1.0, 2.0, 3.0]);
+        assert_eq!(sent[..16 * mirror.composite.guides.len()], *mirror.composite.guides.as_flattened());
+        groom.layers[0].sculpt.layers[0].on = false;
+        generator.set_groom(&gpu, &groom).unwrap();
+        assert!(generator.mirror().layers[0].composite.guides.is_empty());
+    }
+
+    /// The GPU makes the strands that the CPU makes.
+    fn assert_alike(groom: &Groom) {
         let gpu = Gpu::headless().unwrap();
         let library = ShaderLibrary::embedded();
-        let groom = groom();
         let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
-        assert_eq!(generator.set_groom(&gpu, &groom).unwrap(), Vec::<String>::new());
+        assert_eq!(generator.set_groom(&gpu, groom).unwrap(), Vec::<String>::new());
         let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::new(3.0, -1.0, 2.0));
         let between = LodSettings::default().blend(1.4);
         for (world_from_head, lod, blend) in [
@@ -416,7 +480,8 @@ mod tests {
                 assert_eq!(drawn.n_strands as usize, strands.n_strands());
                 assert_eq!(drawn.material as usize, layer_idx);
                 for s in 0..strands.n_strands() {
-                    let length = polyline_length(strands.strand(s));
+                    // A deleted strand has none.
+                    let length = polyline_length(strands.strand(s)).max(0.1);
                     for (v, p) in strands.strand(s).iter().enumerate() {
                         let at = drawn.first_vertex as usize + s * drawn.vertices_per_strand as usize + v;
                         let [x, y, z, radius] = vertices[at];

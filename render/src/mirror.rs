@@ -13,6 +13,7 @@ use lorelei_core::generate::Lod;
 use lorelei_core::generate::plan::{Plan, Step};
 use lorelei_core::groom::{Groom, Layer};
 use lorelei_core::maps::MapKind;
+use lorelei_core::sculpt::{Composite, SculptRoots, compose::Composed};
 use lorelei_core::style::Blend;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use wgpu::BufferUsages;
@@ -85,6 +86,11 @@ pub(crate) struct LayerMirror {
     pub(crate) ops: wgpu::Buffer,
     pub(crate) curves: wgpu::Buffer,
     pub(crate) map_values: wgpu::Buffer,
+    /// What brushes did to each sculpt guide, then each strand's shares in them.
+    pub(crate) sculpt: wgpu::Buffer,
+    /// What of it is on the GPU; empty where nothing is sculpted.
+    pub(crate) composite: Composite,
+    sculpt_roots: Arc<SculptRoots>,
     pub(crate) plan: PlanNumbers,
     /// Of the widest strand, times the layer's radius.
     pub(crate) widest_scale: f32,
@@ -305,7 +311,7 @@ impl Mirror {
     pub fn n_bytes(&self) -> u64 {
         let of_layer = |mirror: &LayerMirror| {
             let of_roots = [&mirror.guides, &mirror.knots, &mirror.strands, &mirror.influences];
-            let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values];
+            let of_style = [&mirror.middles, &mirror.ops, &mirror.curves, &mirror.map_values, &mirror.sculpt];
             of_roots.into_iter().chain(of_style).map(wgpu::Buffer::size).sum::<u64>()
         };
         self.layers.iter().map(of_layer).sum::<u64>()
@@ -324,6 +330,11 @@ impl LayerMirror {
             ("The roots", size_of::<GpuStrand>() * binding.n_strands()),
             ("The weights", size_of_val(binding.influences.as_slice())),
             ("The clumps", size_of_val(binding.clumps.middles.as_slice())),
+            (
+                "The sculpted guides",
+                size_of_val(binding.sculpt.shares.as_slice())
+                    + (layer.sculpt.roots.positions.len() * size_of::<Composed>()),
+            ),
         ] {
             if needed as u64 > available {
                 let (needed, available) = (needed as u64 >> 20, available >> 20);
@@ -356,6 +367,9 @@ impl LayerMirror {
             ops: gpu.buffer("generate.ops", 16, STORAGE),
             curves: gpu.buffer("generate.curves", 16, STORAGE),
             map_values: gpu.buffer_of("generate.map_values", &binding.map_values, STORAGE),
+            sculpt: gpu.buffer("generate.sculpt", 16, STORAGE),
+            composite: Composite::default(),
+            sculpt_roots: Arc::default(),
             plan: PlanNumbers::EMPTY,
             widest_scale: 1.0,
             binding: Arc::clone(binding),
@@ -363,16 +377,25 @@ impl LayerMirror {
             place: None,
         })?;
         mirror.send_ops(gpu);
+        mirror.send_sculpt(gpu);
         Ok(mirror)
     }
 
     /// Take over a layer whose roots and weights are the same.
     fn restyle(&mut self, gpu: &Gpu, layer: &Layer, binding: &Arc<LayerBinding>) {
         let is_same = self.layer.style == layer.style && Arc::ptr_eq(&self.binding, binding);
+        let is_sculpted_alike = self.layer.has_same_sculpt(layer) && Arc::ptr_eq(&self.binding, binding);
         self.layer = layer.clone();
-        if is_same {
-            return;
+        if !is_same {
+            self.rebind(gpu, binding);
         }
+        if !is_sculpted_alike {
+            self.send_sculpt(gpu);
+        }
+    }
+
+    /// Take over another style, or what else of the binding changed.
+    fn rebind(&mut self, gpu: &Gpu, binding: &Arc<LayerBinding>) {
         if !Arc::ptr_eq(&self.binding, binding) {
             if self.binding.clumps != binding.clumps {
                 self.middles = gpu.buffer_of("generate.middles", &binding.clumps.middles, STORAGE);
@@ -413,6 +436,36 @@ impl LayerMirror {
         self.widest_scale = widest * plan.width_map.map_or(1.0, |_| MapKind::Width.max_value());
         self.ops = gpu.buffer_of("generate.ops", &ops, STORAGE);
         self.curves = gpu.buffer_of("generate.curves", &curves, STORAGE);
+    }
+
+    /// Send what brushes did. A stroke sends the guides that it touched; the strands' shares in them are sent once.
+    fn send_sculpt(&mut self, gpu: &Gpu) {
+        let shares = &self.binding.sculpt;
+        let is_bound = shares.are_of(&self.layer.sculpt.roots, self.binding.n_strands());
+        let composite = if is_bound { Composite::of(&self.layer) } else { Composite::default() };
+        let n_bytes = size_of_val(composite.guides.as_slice()) + size_of_val(shares.shares.as_slice());
+        let has_shares = Arc::ptr_eq(&self.sculpt_roots, &shares.roots) && self.sculpt.size() >= n_bytes as u64;
+        if has_shares && self.composite.guides.len() == composite.guides.len() {
+            for range in composite.changed_since(&self.composite) {
+                let offset = (range.start * size_of::<Composed>()) as u64;
+                gpu.queue.write_buffer(&self.sculpt, offset, bytemuck::cast_slice(&composite.guides[range]));
+            }
+        } else if !composite.guides.is_empty() {
+            let mut bytes: Vec<u8> = Vec::with_capacity(n_bytes);
+            bytes.extend_from_slice(bytemuck::cast_slice(&composite.guides));
+            bytes.extend_from_slice(bytemuck::cast_slice(&shares.shares));
+            self.sculpt = gpu.buffer_of("generate.sculpt", &bytes, STORAGE | BufferUsages::COPY_SRC);
+            self.sculpt_roots = Arc::clone(&shares.roots);
+        }
+        self.composite = composite;
+    }
+
+    /// Which kernel makes the layer's strands: the plain one knows nothing of brushes.
+    pub(crate) fn sort(&self) -> Sort {
+        match self.plan.sort() {
+            Sort::Plain if !self.composite.guides.is_empty() => Sort::Full,
+            sort => sort,
+        }
     }
 
     /// Strands drawn at a level of detail, and their widths.

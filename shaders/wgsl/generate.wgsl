@@ -43,7 +43,8 @@ struct Params {
     lod_thickness_from: u32,
     lod_thickness_to: u32,
     lod_between: f32,
-    pad0: u32,
+    // Sculpt guides; 0 where nothing is sculpted.
+    n_sculpt: u32,
     pad1: u32,
     pad2: u32,
 }
@@ -99,6 +100,9 @@ struct Op {
 @group(0) @binding(8) var<storage, read> knots: array<f32>;
 @group(0) @binding(9) var<storage, read> curves: array<f32>;
 @group(0) @binding(10) var<storage, read> map_values: array<f32>;
+// SCULPT_POINTS for every sculpt guide: an offset, and in w of the first three the guide's length, cut and keep.
+// Then two for every strand: its three guides, and their weights.
+@group(0) @binding(11) var<storage, read> sculpt: array<vec4<f32>>;
 
 // LodBlend: how many times wider a strand gets, at most, where a painted map took its neighbours away.
 const MOST_WIDER: f32 = 4.0;
@@ -149,6 +153,10 @@ const FOR_SHARE: u32 = 9u;
 const FOR_START: u32 = 10u;
 const FOR_KEEP_OUT: u32 = 11u;
 const FOR_FUZZ: u32 = 12u;
+const FOR_KEEP: u32 = 64u;
+
+const SCULPT_POINTS: u32 = 16u;
+const SLID: f32 = 1e-5;
 
 // A path with its four control points around the present segment.
 struct Curve {
@@ -158,6 +166,20 @@ struct Curve {
     ironing: f32,
     // Root offset in world space.
     offset: vec3<f32>,
+    p0: vec3<f32>,
+    p1: vec3<f32>,
+    p2: vec3<f32>,
+    p3: vec3<f32>,
+}
+
+// What brushes did to a strand, with the four offsets around the present part of its path; the root's frame.
+struct Sculpted {
+    guides: vec3<u32>,
+    weights: vec3<f32>,
+    length: f32,
+    cut: f32,
+    keep: f32,
+    segment: u32,
     p0: vec3<f32>,
     p1: vec3<f32>,
     p2: vec3<f32>,
@@ -595,6 +617,85 @@ fn turned(along: vec3<f32>, shape: Shape, t: f32) -> vec3<f32> {
     return normalize_or(along + weight * (shape.numbers.xyz - along), along);
 }
 
+fn sculpt_blend(s: ptr<function, Sculpted>, point: u32) -> vec4<f32> {
+    return (*s).weights.x * sculpt[(*s).guides.x * SCULPT_POINTS + point]
+        + (*s).weights.y * sculpt[(*s).guides.y * SCULPT_POINTS + point]
+        + (*s).weights.z * sculpt[(*s).guides.z * SCULPT_POINTS + point];
+}
+
+// A strand's blend of guides, set to its first part; false where no guide is near.
+fn sculpt_begin(s: ptr<function, Sculpted>, strand_idx: u32) -> bool {
+    let at = params.n_sculpt * SCULPT_POINTS + 2u * strand_idx;
+    (*s).guides = bitcast<vec3<u32>>(sculpt[at].xyz);
+    (*s).weights = sculpt[at + 1u].xyz;
+    if (*s).weights.x <= 0.0 && (*s).weights.y <= 0.0 && (*s).weights.z <= 0.0 {
+        return false;
+    }
+    let first = sculpt_blend(s, 0u);
+    let second = sculpt_blend(s, 1u);
+    let third = sculpt_blend(s, 2u);
+    (*s).length = first.w;
+    (*s).cut = second.w;
+    (*s).keep = third.w;
+    (*s).segment = 0u;
+    (*s).p1 = first.xyz;
+    (*s).p2 = second.xyz;
+    (*s).p3 = third.xyz;
+    (*s).p0 = 2.0 * first.xyz - second.xyz;
+    return true;
+}
+
+// Displacement at parameter t of the path, not before the last one asked for; the root's frame.
+fn sculpt_offset(s: ptr<function, Sculpted>, t: f32) -> vec3<f32> {
+    let u = t * f32(SCULPT_POINTS - 1u);
+    let wanted = min(u32(u), SCULPT_POINTS - 2u);
+    while (*s).segment < wanted {
+        (*s).segment++;
+        (*s).p0 = (*s).p1;
+        (*s).p1 = (*s).p2;
+        (*s).p2 = (*s).p3;
+        if (*s).segment + 2u < SCULPT_POINTS {
+            (*s).p3 = sculpt_blend(s, (*s).segment + 2u).xyz;
+        } else {
+            (*s).p3 = 2.0 * (*s).p2 - (*s).p1;
+        }
+    }
+    let w = catmull_rom_weights(u - f32((*s).segment));
+    return w.x * (*s).p0 + w.y * (*s).p1 + w.z * (*s).p2 + w.w * (*s).p3;
+}
+
+// Gradient in cells and, in w, the distance, at a node's coordinates inside the field.
+fn sample_field(inside: vec3<f32>) -> vec4<f32> {
+    let base = min(vec3<u32>(inside), params.field_n - 2u);
+    let t = inside - vec3<f32>(base);
+    let at = field_index(base);
+    let dy = params.field_n.x;
+    let dz = params.field_n.x * params.field_n.y;
+    let c0 = vec4<f32>(field[at], field[at + 1u], field[at + dy], field[at + dy + 1u]);
+    let c1 = vec4<f32>(field[at + dz], field[at + dz + 1u], field[at + dz + dy], field[at + dz + dy + 1u]);
+    let y0 = mix(mix(c0.x, c0.y, t.x), mix(c0.z, c0.w, t.x), t.y);
+    let y1 = mix(mix(c1.x, c1.y, t.x), mix(c1.z, c1.w, t.x), t.y);
+    let gradient = vec3<f32>(
+        mix(mix(c0.y - c0.x, c0.w - c0.z, t.y), mix(c1.y - c1.x, c1.w - c1.z, t.y), t.z),
+        mix(mix(c0.z - c0.x, c0.w - c0.y, t.x), mix(c1.z - c1.x, c1.w - c1.y, t.x), t.z),
+        mix(mix(c1.x - c0.x, c1.y - c0.y, t.x), mix(c1.z - c0.z, c1.w - c0.w, t.x), t.y),
+    );
+    return vec4<f32>(gradient, mix(y0, y1, t.z));
+}
+
+// A root that was slid along the scalp, on it again.
+fn onto_scalp(p: vec3<f32>) -> vec3<f32> {
+    if params.field_n.x == 0u {
+        return p;
+    }
+    let in_head = move_point(params.head_from_world, p);
+    let in_cells = (in_head - params.field_min) / params.field_cell;
+    let inside = clamp(in_cells, vec3<f32>(0.0), vec3<f32>(params.field_n - 1u));
+    let sample = sample_field(inside);
+    let distance = sample.w + length(in_cells - inside) * params.field_cell;
+    return move_point(params.world_from_head, in_head - distance * normalize_or(sample.xyz, vec3<f32>(0.0)));
+}
+
 fn field_index(node: vec3<u32>) -> u32 {
     return node.x + params.field_n.x * (node.y + params.field_n.y * node.z);
 }
@@ -612,26 +713,13 @@ fn keep_out(p: vec3<f32>, arc_length: f32, seed: u32) -> vec3<f32> {
     if outside >= margin {
         return p;
     }
-    let base = min(vec3<u32>(inside), params.field_n - 2u);
-    let t = inside - vec3<f32>(base);
-    let at = field_index(base);
-    let dy = params.field_n.x;
-    let dz = params.field_n.x * params.field_n.y;
-    let c0 = vec4<f32>(field[at], field[at + 1u], field[at + dy], field[at + dy + 1u]);
-    let c1 = vec4<f32>(field[at + dz], field[at + dz + 1u], field[at + dz + dy], field[at + dz + dy + 1u]);
-    let y0 = mix(mix(c0.x, c0.y, t.x), mix(c0.z, c0.w, t.x), t.y);
-    let y1 = mix(mix(c1.x, c1.y, t.x), mix(c1.z, c1.w, t.x), t.y);
-    let distance = mix(y0, y1, t.z) + outside;
+    let sample = sample_field(inside);
+    let distance = sample.w + outside;
     if distance >= margin {
         return p;
     }
-    let gradient = vec3<f32>(
-        mix(mix(c0.y - c0.x, c0.w - c0.z, t.y), mix(c1.y - c1.x, c1.w - c1.z, t.y), t.z),
-        mix(mix(c0.z - c0.x, c0.w - c0.y, t.x), mix(c1.z - c1.x, c1.w - c1.y, t.x), t.z),
-        mix(mix(c1.x - c0.x, c1.y - c0.y, t.x), mix(c1.z - c0.z, c1.w - c0.w, t.x), t.y),
-    );
     let wanted = margin * exp(distance / margin - 1.0);
-    let out = normalize_or(gradient, vec3<f32>(0.0));
+    let out = normalize_or(sample.xyz, vec3<f32>(0.0));
     return move_point(params.world_from_head, in_head + (wanted - distance) * out);
 }
 
@@ -692,6 +780,21 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     cut *= painted;
     var own: Curve;
     begin(&own, strand_idx);
+    let out_at = params.first_vertex + strand_idx * params.n_vertices;
+    var sculpted: Sculpted;
+    var is_sculpted = false;
+    if FULL != 0u && params.n_sculpt > 0u {
+        is_sculpted = sculpt_begin(&sculpted, strand_idx);
+    }
+    if is_sculpted {
+        if random(seed, FOR_KEEP) >= sculpted.keep {
+            for (var v = 0u; v < params.n_vertices; v++) {
+                vertices[out_at + v] = vec4<f32>(own.p1, 0.0);
+            }
+            return;
+        }
+        cut *= sculpted.cut;
+    }
     // The strands of a wisp share its frame.
     let normal_in_head = strands[middle_of(strand_idx, params.wisp_size)].root_normal;
     let outwards = rotate(params.world_from_head, normal_in_head);
@@ -724,7 +827,12 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
     let width = params.lod_scale * clamp((params.lod_end - left) / params.lod_fade, 0.0, 1.0) * of_lod.y;
     let radius =
         params.radius * strands[strand_idx].radius_scale * width * map_value(strand_idx, params.width_map);
-    let out_at = params.first_vertex + strand_idx * params.n_vertices;
+    let root_normal = strands[strand_idx].root_normal;
+    let root_side = any_tangent(root_normal);
+    // Where the style and where brushes put the vertex before, and where it came to be.
+    var styled_before = vec3<f32>(0.0);
+    var displaced_before = vec3<f32>(0.0);
+    var placed = vec3<f32>(0.0);
 
     // Vertex v is finished when the path at v + 1 is known.
     for (var v = 0u; v <= last + 1u; v++) {
@@ -794,6 +902,25 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroup
             offset = displaced(offset, shapes[i], t, arc_length);
         }
         var p = base + offset.x * right + offset.y * up + offset.z * outwards;
+        if FULL != 0u && is_sculpted {
+            let in_root = sculpt_offset(&sculpted, cut * t);
+            let in_head = in_root.x * root_side + in_root.y * cross(root_normal, root_side) + in_root.z * root_normal;
+            let styled = p;
+            var moved = styled + rotate(params.world_from_head, in_head);
+            if vertex == 0u {
+                placed = styled;
+                if dot(in_root, in_root) > SLID * SLID {
+                    placed = onto_scalp(moved);
+                }
+                moved = placed;
+            } else {
+                let segment_length = sculpted.length * distance(styled, styled_before);
+                placed += segment_length * normalize_or(moved - displaced_before, tangent);
+            }
+            styled_before = styled;
+            displaced_before = moved;
+            p = placed;
+        }
         if vertex > 0u {
             p = keep_out(p, arc_length, seed);
         }

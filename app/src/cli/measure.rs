@@ -1,14 +1,22 @@
 //! `lorelei measure`: what this machine needs for the studio's work on a groom, without a window.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
 use lorelei_core::binding::bind_layer;
+use lorelei_core::brush::Brush;
+use lorelei_core::camera::Camera;
+use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::edit::Edit;
 use lorelei_core::generate::{Pose, generate};
 use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::hair_mesh::{Accuracy, Along, HairMesh, MeshOp, Relaxer, VertexId, Weld};
 use lorelei_core::history::{History, Merge};
+use lorelei_core::sculpt::{
+    Composite, LiveStroke, Sculpt, SculptBase, SculptBrush, SculptLayer, SculptRoots, Stroke, StrokePoint, StrokeView,
+    join_changes,
+};
 use serde_json::{Value, json};
 
 use super::{CliError, print_line};
@@ -64,6 +72,7 @@ fn grooming() -> Result<Vec<Line>, CliError> {
         relax(n_vertices, &mut lines)?;
     }
     trace(&mut lines)?;
+    sculpt(&mut lines)?;
     Ok(lines)
 }
 
@@ -119,6 +128,74 @@ fn relax(n_vertices: usize, lines: &mut Vec<Line>) -> Result<(), CliError> {
     });
     let note = format!("{n_iterations} iterations; one core");
     lines.push(Line { what: "relax: a frame of a drag", n, ms, note });
+    Ok(())
+}
+
+/// A stroke of the comb over the default groom: what one frame of it costs on the CPU, whatever the strands.
+fn sculpt(lines: &mut Vec<Line>) -> Result<(), CliError> {
+    let mut groom: Groom = lorelei_assets::default_groom();
+    groom.layers.truncate(1);
+    let n = groom.layers[0].n_strands as usize;
+    let head = groom.head.clone();
+    let field = head.as_ref().and_then(|head| DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION).ok());
+    let start = Instant::now();
+    let roots = Arc::new(SculptRoots::of_layer(&groom.layers[0], head.as_ref()));
+    let base = SculptBase::new(&groom.layers[0], head.as_ref(), Arc::clone(&roots), field.map(Arc::new));
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    lines.push(Line {
+        what: "sculpt: prepare, once a layer",
+        n: roots.positions.len(),
+        ms,
+        note: "all cores".to_owned(),
+    });
+    let mut history = History::default();
+    let begin = vec![
+        Edit::SetSculptRoots { layer_idx: 0, roots },
+        Edit::AddSculpt { layer_idx: 0, sculpt_idx: 0, sculpt: Box::new(SculptLayer::new("measured")) },
+    ];
+    history.apply(&mut groom, "begin", Edit::Batch(begin), Merge::New).map_err(CliError::failed)?;
+    let start = Instant::now();
+    let mut binding = bind_layer(&Layer { sculpt: Sculpt::default(), ..groom.layers[0].clone() }, head.as_ref());
+    let without = start.elapsed();
+    let start = Instant::now();
+    binding.resculpt(&groom.layers[0], head.as_ref());
+    let ms = start.elapsed().as_secs_f64() * 1e3;
+    let note = format!("all cores; {:.0} ms for all else that strands hang on", without.as_secs_f64() * 1e3);
+    lines.push(Line { what: "sculpt: strands to guides, once a layer", n, ms, note });
+    let view = StrokeView { camera: Camera { azimuth_deg: 90.0, ..Camera::default() }, ..StrokeView::default() };
+    let brush = Brush { radius_cm: 4.0, ..Brush::default() };
+    let stroke = Stroke { kind: SculptBrush::Comb, brush, view, ..Stroke::default() };
+    let start = Instant::now();
+    let mut live = LiveStroke::begin(Arc::new(base), &groom.layers[0], 0, &stroke);
+    lines.push(Line {
+        what: "sculpt: a stroke begins",
+        n,
+        ms: start.elapsed().as_secs_f64() * 1e3,
+        note: String::new(),
+    });
+    let mut before = Composite::default();
+    let (mut x, mut n_touched, mut n_sent, mut failed) = (500.0, 0, 0, None);
+    let ms = median_ms(41, || {
+        // A fast hand: 12 points of the window a frame.
+        x += 6.0;
+        let mut changes = live.extend(StrokePoint::new(x, 330.0));
+        x += 6.0;
+        let mut later = live.extend(StrokePoint::new(x, 330.0));
+        join_changes(&mut later, &changes);
+        changes = later;
+        n_touched = changes.len().max(n_touched);
+        let edit = Edit::Sculpt { layer_idx: 0, sculpt_idx: 0, changes };
+        failed = history.apply(&mut groom, "comb", edit, Merge::Stroke(1)).err().or(failed.take());
+        let after = Composite::of(&groom.layers[0]);
+        n_sent = after.changed_since(&before).iter().map(std::ops::Range::len).sum::<usize>();
+        before = after;
+    });
+    if let Some(why) = failed {
+        return Err(CliError::failed(why));
+    }
+    let note =
+        format!("up to {n_touched} guides touched, {n_sent} sent in the last; comb, edit, undo and what is sent");
+    lines.push(Line { what: "sculpt: a frame of a stroke", n, ms, note });
     Ok(())
 }
 

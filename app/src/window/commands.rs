@@ -5,6 +5,7 @@ use egui::{Key, KeyboardShortcut, Modifiers};
 use super::tools::Tool;
 use super::tools::mesh::commands::{MESH_COMMANDS, MeshCommand};
 use super::tools::paint::commands::{PAINT_COMMANDS, PaintCommand};
+use super::tools::sculpt::commands::{SCULPT_COMMANDS, SculptCommand};
 
 /// What to do. Dispatched in one place, `Studio::run`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,6 +63,7 @@ pub enum Command {
     Tool(Tool),
     Mesh(MeshCommand),
     Paint(PaintCommand),
+    Sculpt(SculptCommand),
 }
 
 /// One row of the table.
@@ -159,7 +161,7 @@ pub const COMMANDS: &[Row] = &[
 
 /// The rows of all tables: the studio's own and each tool's.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
-    COMMANDS.iter().chain(MESH_COMMANDS).chain(PAINT_COMMANDS)
+    COMMANDS.iter().chain(MESH_COMMANDS).chain(PAINT_COMMANDS).chain(SCULPT_COMMANDS)
 }
 
 /// What the pointer does in the viewport, for the shortcut sheet.

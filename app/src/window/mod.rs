@@ -825,6 +825,7 @@ impl Studio {
             }
             Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
             Command::Paint(command) => tools::paint::commands::is_enabled(&self.desk, command),
+            Command::Sculpt(command) => tools::sculpt::commands::is_enabled(&self.desk, command),
             _ => true,
         }
     }

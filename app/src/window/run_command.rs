@@ -104,6 +104,7 @@ impl Studio {
             Command::Paint(PaintCommand::Load) => self.choose(ctx, Purpose::LoadMap),
             Command::Paint(PaintCommand::Save) => self.choose(ctx, Purpose::SaveMap),
             Command::Paint(command) => tools::paint::commands::run(&mut self.desk, command),
+            Command::Sculpt(command) => tools::sculpt::commands::run(&mut self.desk, command),
             Command::Shortcuts => self.shows_shortcuts = !self.shows_shortcuts,
         }
     }

@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use lorelei_core::look::Choice;
 use serde_json::json;
 
 use super::Studio;
@@ -124,6 +125,8 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
             "selected": desk.tools.mesh.selection.vertices.len(),
             "holds": desk.tools.takes_keys(),
             "refusal": desk.tools.mesh.refusal(),
+            "is_ready": desk.tools.sculpt.is_ready(),
+            "brush": desk.tools.sculpt.kind.info().name,
         },
         "playing": desk.playback.is_playing,
         "sim_secs": report.sim_secs,

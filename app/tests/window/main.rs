@@ -9,6 +9,7 @@ mod controls;
 mod modelling;
 mod painting;
 mod sample;
+mod sculpting;
 mod studio;
 mod survival;
 

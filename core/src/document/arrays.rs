@@ -11,13 +11,16 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::error::DocumentError;
-use super::manifest::{Content, Manifest, Parts, faces_of, group_name, hair_mesh_name, map_name, strands_name};
+use super::manifest::{
+    Content, Manifest, Parts, faces_of, group_name, hair_mesh_name, map_name, sculpt_name, strands_name,
+};
 use super::{MANIFEST, MAX_MANIFEST_BYTES};
 use crate::groom::{Groom, Source};
 use crate::hair_mesh::HairMesh;
 use crate::io::{ReadError, Watch, usable_memory};
 use crate::maps::ScalpMap;
 use crate::mesh::TriMesh;
+use crate::sculpt::{Sculpt, SculptRoots, SculptStrokes};
 use crate::strands::Strands;
 
 /// Deflate packs 1032 bytes into one at most (zlib's technical notes).
@@ -125,6 +128,7 @@ pub(super) fn join<R: Read + Seek>(
             Source::Guides(_) => Source::Guides(Arc::new(arrays.strands(layer_idx)?)),
             Source::Strands(_) => Source::Strands(Arc::new(arrays.strands(layer_idx)?)),
         };
+        arrays.sculpt(layer_idx, &mut layer.sculpt)?;
         for (kind, map) in &mut layer.maps {
             *map = Arc::new(arrays.map(&map_name(layer_idx, kind), map)?);
         }
@@ -214,6 +218,18 @@ impl<R: Read + Seek> Arrays<'_, R> {
             strands.offsets.push(0);
         }
         Ok(strands)
+    }
+
+    fn sculpt(&mut self, layer_idx: usize, sculpt: &mut Sculpt) -> Result<(), DocumentError> {
+        let positions = self.array(&sculpt_name(layer_idx, "roots.f32"))?;
+        let uvs = self.array(&sculpt_name(layer_idx, "uvs.f32"))?;
+        sculpt.roots = Arc::new(SculptRoots { positions, uvs });
+        for (sculpt_idx, layer) in sculpt.layers.iter_mut().enumerate() {
+            let ids = self.array(&sculpt_name(layer_idx, &format!("{sculpt_idx}/ids.u32")))?;
+            let guides = self.array(&sculpt_name(layer_idx, &format!("{sculpt_idx}/guides.f32")))?;
+            layer.strokes = Arc::new(SculptStrokes { ids, guides });
+        }
+        Ok(())
     }
 
     fn hair_mesh(&mut self, layer_idx: usize, light: &HairMesh) -> Result<HairMesh, DocumentError> {

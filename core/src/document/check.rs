@@ -18,6 +18,7 @@ pub(super) fn check(groom: &Groom) -> Result<(), String> {
             Source::Guides(strands) | Source::Strands(strands) => check_strands(strands),
         };
         checked.map_err(|problem| format!("layer `{}`: {problem}", layer.name))?;
+        layer.sculpt.check().map_err(|problem| format!("layer `{}`: {problem}", layer.name))?;
         if let Some((kind, _)) = layer.maps.iter().find(|(_, map)| !map.has_texels()) {
             return Err(format!("layer `{}`: its map {kind} has no texels", layer.name));
         }

@@ -14,6 +14,7 @@ use crate::groom::{Groom, Source};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
 use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::TriMesh;
+use crate::sculpt::Sculpt;
 use crate::strands::Strands;
 
 /// The version that is written.
@@ -153,6 +154,7 @@ pub(super) fn split(groom: &Groom) -> Parts<'_> {
             Source::HairMesh(hair_mesh) => put_hair_mesh(&mut arrays, layer_idx, hair_mesh),
             Source::Guides(strands) | Source::Strands(strands) => put_strands(&mut arrays, layer_idx, strands),
         }
+        put_sculpt(&mut arrays, layer_idx, &layer.sculpt);
         for (kind, map) in &layer.maps {
             arrays.push(Part { name: map_name(layer_idx, kind), content: Content::Map(map) });
         }
@@ -188,6 +190,10 @@ fn emptied(groom: &Groom) -> Groom {
             Source::Guides(_) => Source::Guides(Arc::new(Strands::default())),
             Source::Strands(_) => Source::Strands(Arc::new(Strands::default())),
         };
+        layer.sculpt.roots = Arc::default();
+        for sculpt in &mut layer.sculpt.layers {
+            sculpt.strokes = Arc::default();
+        }
         for map in layer.maps.values_mut() {
             *map = Arc::new(ScalpMap::without_texels(map.width(), map.height()));
         }
@@ -222,6 +228,19 @@ fn put_strands<'g>(arrays: &mut Vec<Part<'g>>, layer_idx: usize, strands: &'g St
     put("colours.f32", Content::Floats(bytemuck::cast_slice(&strands.colours)));
     put("opacities.f32", Content::Floats(&strands.opacities));
     put("root_uvs.f32", Content::Floats(bytemuck::cast_slice(&strands.root_uvs)));
+}
+
+fn put_sculpt<'g>(arrays: &mut Vec<Part<'g>>, layer_idx: usize, sculpt: &'g Sculpt) {
+    let mut put = |name: &str, content: Content<'g>| {
+        arrays.push(Part { name: sculpt_name(layer_idx, name), content });
+    };
+    put("roots.f32", Content::Floats(bytemuck::cast_slice(&sculpt.roots.positions)));
+    put("uvs.f32", Content::Floats(bytemuck::cast_slice(&sculpt.roots.uvs)));
+    for (sculpt_idx, layer) in sculpt.layers.iter().enumerate() {
+        put(&format!("{sculpt_idx}/ids.u32"), Content::Whole((&layer.strokes.ids).into()));
+        let guides = Content::Floats(bytemuck::cast_slice(&layer.strokes.guides));
+        put(&format!("{sculpt_idx}/guides.f32"), guides);
+    }
 }
 
 fn put_hair_mesh<'g>(arrays: &mut Vec<Part<'g>>, layer_idx: usize, hair_mesh: &'g HairMesh) {
@@ -276,6 +295,10 @@ pub(super) fn group_name(group_idx: usize) -> String {
 
 pub(super) fn strands_name(layer_idx: usize, name: &str) -> String {
     format!("layers/{layer_idx}/strands/{name}")
+}
+
+pub(super) fn sculpt_name(layer_idx: usize, name: &str) -> String {
+    format!("layers/{layer_idx}/sculpt/{name}")
 }
 
 pub(super) fn hair_mesh_name(layer_idx: usize, k: usize, name: &str) -> String {

@@ -14,6 +14,7 @@ use crate::io::{ReadError, Space};
 use crate::maps::tests::any_kind;
 use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::{FaceGroup, TriMesh};
+use crate::sculpt::{self, Sculpt, SculptChange, SculptGuide, SculptLayer, SculptMask, SculptRoots};
 use crate::strands::Strands;
 
 /// Any finite number, zeros of both signs and the smallest included.
@@ -89,6 +90,25 @@ fn mesh() -> impl Strategy<Value = TriMesh> {
     })
 }
 
+fn sculpt() -> impl Strategy<Value = Sculpt> {
+    let guide = (0..6_u32, [number(), number(), number()], number());
+    let layer = (prop::collection::vec(guide, 0..4), ".{0,5}", number());
+    (prop::collection::vec(place(), 6), any::<bool>(), prop::collection::vec(layer, 0..3)).prop_map(
+        |(positions, has_uvs, layers)| {
+            let uvs = some(positions.iter().map(|p| [p.x, p.z]).collect(), has_uvs);
+            let layers = layers.into_iter().map(|(guides, name, weight)| {
+                let mut layer = SculptLayer { weight, mask: SculptMask::Inverted, ..SculptLayer::new(&name) };
+                for (guide, offset, length) in guides {
+                    let to = SculptGuide { offsets: [offset; sculpt::K], length, ..SculptGuide::default() };
+                    Arc::make_mut(&mut layer.strokes).apply(&[SculptChange { guide, to: Some(Box::new(to)) }]);
+                }
+                layer
+            });
+            Sculpt { layers: layers.collect(), roots: Arc::new(SculptRoots { positions, uvs }) }
+        },
+    )
+}
+
 fn layer() -> impl Strategy<Value = Layer> {
     let source = prop_oneof![
         strands().prop_map(|strands| Source::Strands(Arc::new(strands))),
@@ -96,17 +116,20 @@ fn layer() -> impl Strategy<Value = Layer> {
         hair_mesh().prop_map(|mesh| Source::HairMesh(Arc::new(mesh))),
     ];
     let map = prop::collection::vec((1..90u32, 1..9u32, any::<u8>(), any_kind()), 0..3);
-    (source, map, ".{0,12}", number(), any::<u32>()).prop_map(|(source, map, name, radius_um, seed)| {
-        let mut layer = Layer::new(&name, source);
-        layer.radius_um = radius_um;
-        layer.seed = seed;
-        layer.material.eumelanin = radius_um;
-        layer.maps.extend(map.into_iter().map(|(width, height, first, kind)| {
-            let texel = |x, y| first.wrapping_add(((x + y * width) * 37) as u8);
-            (kind, Arc::new(ScalpMap::from_fn(width, height, texel).expect("a size within the limits")))
-        }));
-        layer
-    })
+    (source, map, ".{0,12}", number(), any::<u32>(), sculpt()).prop_map(
+        |(source, map, name, radius_um, seed, sculpt)| {
+            let mut layer = Layer::new(&name, source);
+            layer.sculpt = sculpt;
+            layer.radius_um = radius_um;
+            layer.seed = seed;
+            layer.material.eumelanin = radius_um;
+            layer.maps.extend(map.into_iter().map(|(width, height, first, kind)| {
+                let texel = |x, y| first.wrapping_add(((x + y * width) * 37) as u8);
+                (kind, Arc::new(ScalpMap::from_fn(width, height, texel).expect("a size within the limits")))
+            }));
+            layer
+        },
+    )
 }
 
 fn groom() -> impl Strategy<Value = Groom> {

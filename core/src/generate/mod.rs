@@ -1,9 +1,9 @@
 //! Strands from guides, on the CPU: the reference that `generate.wgsl` repeats with the same names.
 //!
 //! A strand is the Catmull-Rom curve through its blended guides, ironed, cut to its length, drawn into its
-//! clumps and wisps, turned by bends and partings, displaced around its path by the other operators, kept out
-//! of the head, and given a width. All is evaluated directly: a strand reads the paths of its clumps' middle
-//! strands at its own parameter, so
+//! clumps and wisps, turned by bends and partings, displaced around its path by the other operators, moved as
+//! brushes moved it, kept out of the head, and given a width. All is evaluated directly: a strand reads the
+//! paths of its clumps' middle strands at its own parameter, so
 //! no strand waits for another. One strand is one thread's work on the GPU, because the twist-free frame
 //! and the arc length are carried from vertex to vertex.
 
@@ -16,12 +16,16 @@ use crate::distance_field::DistanceField;
 use crate::groom::Layer;
 use crate::hash::random;
 use crate::lod::LodBlend;
+use crate::sculpt::{Composite, compose::Composed};
 use crate::strands::Strands;
 use crate::style::StyleKind;
 use plan::Plan;
+pub use sculpt::root_frame;
+use sculpt::{Chain, Sculpted};
 use style::{FOR_KEEP_OUT, RootFrame, Shape, clumped, displacement, smoothstep, turned};
 
 pub mod plan;
+mod sculpt;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -98,15 +102,19 @@ pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3],
     let lod_maps = pose.blend.maps(binding);
     let n_drawn = lod.n_drawn as usize;
     let plan = Plan::new(&layer.style, binding);
-    let generator = Generator { binding, plan: &plan, guide_positions, pose, n_vertices };
+    let composite = Composite::of(layer);
+    // A layer that got other guides since it was bound is not sculpted before it is bound again.
+    let is_bound = binding.sculpt.are_of(&layer.sculpt.roots, binding.n_strands());
+    let sculpt = (is_bound && !composite.guides.is_empty()).then_some(composite.guides.as_slice());
+    let generator = Generator { binding, plan: &plan, sculpt, guide_positions, pose, n_vertices };
     let mut points = vec![Vec3::ZERO; n_drawn * n_vertices];
     points.par_chunks_exact_mut(n_vertices).enumerate().for_each(|(strand_idx, out)| generator.strand(strand_idx, out));
     let radii_um = (0..n_drawn)
         .flat_map(|strand_idx| {
             let (kept, wider) = pose.blend.painted(binding, lod_maps, strand_idx);
-            let scale = binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0)
-                * lod.painted_width(strand_idx, kept)
-                * (pose.blend.thickness * wider);
+            let is_deleted = generator.sculpted(strand_idx).is_some_and(|sculpted| sculpted.is_deleted);
+            let scale = if is_deleted { 0.0 } else { binding.radius_scales.get(strand_idx).copied().unwrap_or(1.0) };
+            let scale = scale * lod.painted_width(strand_idx, kept) * (pose.blend.thickness * wider);
             let scale = scale * binding.map_value(strand_idx, plan.width_map, 1.0);
             (0..n_vertices)
                 .map(move |v| layer.radius_um * scale * taper(v as f32 / (n_vertices - 1) as f32, layer.tip_radius))
@@ -148,6 +156,8 @@ impl StrandPath {
 struct Generator<'a> {
     binding: &'a LayerBinding,
     plan: &'a Plan,
+    /// What brushes did to each sculpt guide; `None` where they did nothing.
+    sculpt: Option<&'a [Composed]>,
     guide_positions: &'a [Vec3],
     pose: &'a Pose<'a>,
     n_vertices: usize,
@@ -225,10 +235,22 @@ impl Generator<'_> {
         self.control(strand_idx, 0)
     }
 
+    /// What brushes did to a strand; `None` where they did nothing.
+    fn sculpted(&self, strand_idx: usize) -> Option<Sculpted<'_>> {
+        let share = *self.binding.sculpt.shares.get(strand_idx)?;
+        let (seed, normal) = (self.binding.seeds[strand_idx], self.binding.root_normals[strand_idx]);
+        Sculpted::new(self.sculpt?, share, seed, normal, &self.pose.world_from_head)
+    }
+
     fn strand(&self, strand_idx: usize, out: &mut [Vec3]) {
         let world_from_head = &self.pose.world_from_head;
         let seed = self.binding.seeds[strand_idx];
-        let cut = self.cut(strand_idx);
+        let sculpted = self.sculpted(strand_idx);
+        if sculpted.is_some_and(|sculpted| sculpted.is_deleted) {
+            out.fill(self.root_of(strand_idx));
+            return;
+        }
+        let cut = self.cut(strand_idx) * sculpted.map_or(1.0, |sculpted| sculpted.cut);
         let pulls = self.pulls(strand_idx);
         let path = self.path_of(strand_idx);
         let last = self.n_vertices - 1;
@@ -250,6 +272,7 @@ impl Generator<'_> {
         let mut tangent = outwards;
         let mut right = side;
         let mut arc_length = 0.0;
+        let mut chain = Chain::default();
         for v in 0..=last {
             let mut after = base;
             if v < last {
@@ -265,10 +288,28 @@ impl Generator<'_> {
             let up = tangent.cross(right);
             let t = v as f32 / last as f32;
             let offset = displacement(&shapes, t, arc_length);
-            let p = base + offset.x * right + offset.y * up + offset.z * outwards;
+            let mut p = base + offset.x * right + offset.y * up + offset.z * outwards;
+            if let Some(sculpted) = &sculpted {
+                let offset = sculpted.offset(cut * t);
+                if v == 0 {
+                    let placed = if sculpted.has_slid() { self.onto_scalp(p + offset) } else { p };
+                    chain = Chain::begin(p, placed);
+                    p = placed;
+                } else {
+                    p = chain.next(p, offset, sculpted.length, tangent);
+                }
+            }
             out[v] = if v == 0 { p } else { self.keep_out(p, arc_length, seed) };
             (before, base) = (base, after);
         }
+    }
+
+    /// A root that was slid along the scalp, on it again.
+    fn onto_scalp(&self, p: Vec3) -> Vec3 {
+        let Some(field) = self.pose.field else { return p };
+        let in_head = self.pose.world_from_head.inverse().transform_point3(p);
+        let out = field.gradient(in_head).normalize_or(Vec3::ZERO);
+        self.pose.world_from_head.transform_point3(in_head - field.sample(in_head) * out)
     }
 
     /// Push a vertex out of the head. Distances below the margin are squeezed between the skin and the

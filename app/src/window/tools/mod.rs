@@ -60,7 +60,11 @@ pub struct Tools {
 impl Tools {
     /// Plain keys belong to what a tool is doing, not to commands.
     pub fn takes_keys(&self) -> bool {
-        self.active == Tool::Mesh && self.mesh.takes_keys()
+        match self.active {
+            Tool::Mesh => self.mesh.takes_keys(),
+            Tool::Sculpt => self.sculpt.takes_keys(),
+            Tool::Select | Tool::Paint => false,
+        }
     }
 
     /// What the active tool wants to see on the scalp.
