@@ -185,7 +185,7 @@ mod tests {
             other => Err(format!("{other:?}")),
         };
         let refusal = run(&mut groom, &steps, edit_of).unwrap_err();
-        assert_eq!(refusal.to_string(), "edit 2 of 2 (`Drop it`): there is no layer 7: the groom has 2");
+        assert_eq!(refusal.to_string(), "edit 2 of 2 (`Drop it`): there is no layer 7: the groom has 3");
         assert_eq!(groom, small_groom());
         assert_eq!(run(&mut groom, &steps[..1], edit_of).unwrap().len(), 1);
         assert_eq!(groom.name, "x");

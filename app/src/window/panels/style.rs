@@ -204,10 +204,13 @@ pub(super) fn body(ui: &mut Ui, op: &mut StyleOp, maps: &Maps) -> Option<Change>
     let is_drawn = !op.curve.is_empty();
     for (param, default) in op.params().iter_mut().zip(&defaults) {
         let is_ramp = param.key == "style.ramp";
-        if is_ramp && is_drawn || matches!(param.value, ParamValue::U32(_)) {
+        if matches!(param.value, ParamValue::U32(_)) {
             continue;
         }
-        change = widgets::param(ui, param, Some(default)).or(change.take());
+        // A drawn curve says what the ramp said. Its row stays: the curve must not move under the hand that draws it.
+        let is_in_use = !(is_ramp && is_drawn);
+        let row = ui.add_enabled_ui(is_in_use, |ui| widgets::param(ui, param, Some(default)));
+        change = row.inner.or(change.take());
     }
     change = curve_editor::ui(ui, op, &usual).or(change);
     change = map_row(ui, op, maps).or(change);
@@ -422,7 +425,7 @@ mod tests {
         }
 
         fn draw(&mut self, events: Vec<Event>) {
-            self.time += 0.05;
+            self.time += 0.01;
             let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, vec2(340.0, 2000.0)));
             let input = RawInput { events, screen_rect, time: Some(self.time), ..RawInput::default() };
             let (layer, changes) = (&mut self.layer, &mut self.changes);
