@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::{Groom, Source};
+use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::lod::LodChoice;
 use lorelei_core::look::Choice;
@@ -276,7 +276,8 @@ fn set_strand_count(groom: &mut Groom, n_strands: u32) {
         groom.look.lod = (share as f32).clamp(0.0, 1.0);
         return;
     }
-    for layer in groom.layers.iter_mut().filter(|layer| !matches!(layer.source, Source::Strands(_))) {
+    let is_counted = |layer: &&mut Layer| layer.visible && !matches!(layer.source, Source::Strands(_));
+    for layer in groom.layers.iter_mut().filter(is_counted) {
         layer.n_strands = ((f64::from(layer.n_strands) * share).round() as u32).max(1);
     }
 }

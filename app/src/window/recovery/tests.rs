@@ -98,7 +98,7 @@ fn every_step_since_the_file_was_saved_comes_back_with_its_undo() {
     run.frame();
     run.document.go_to(3);
     run.frame();
-    let start = std::time::Instant::now();
+    let start = Instant::now();
     while run.recovery.n_records() <= 6 {
         assert!(start.elapsed() < Duration::from_secs(30), "every step and every undo is a record");
         std::thread::sleep(Duration::from_millis(5));
