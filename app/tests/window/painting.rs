@@ -20,7 +20,7 @@ fn a_stroke_of_density_is_one_step_takes_hair_away_and_is_undone() {
 
     // The map covers the scalp, the hair is thin.
     studio.key("shift+p");
-    studio.wait("the tool", |state| state["tool"] == "Paint" && state["still"] == true);
+    studio.wait("the tool", |state| state["tool"]["name"] == "Paint" && state["still"] == true);
     let shown = studio.screenshot("2_map");
     assert!(difference(&before, &shown, viewport) > 0.01, "the map is seen");
 
@@ -33,7 +33,7 @@ fn a_stroke_of_density_is_one_step_takes_hair_away_and_is_undone() {
 
     // All of the hair again: some strands are gone, and undo brings them back.
     studio.key("shift+p");
-    let thinned = studio.wait("fewer strands", |state| state["tool"] == "Select" && state["still"] == true);
+    let thinned = studio.wait("fewer strands", |state| state["tool"]["name"] == "Select" && state["still"] == true);
     assert!(thinned["strands"].as_u64().unwrap() < n_strands, "{} of {n_strands}", thinned["strands"]);
     studio.key("ctrl+z");
     studio.wait("all strands", |state| state["n_done"] == 0 && state["still"] == true && state["strands"] == n_strands);
