@@ -221,16 +221,30 @@ impl<'a> Studio<'a> {
         }
     }
 
+    /// What is on the screen, once two looks at it in a row are the same: a state is told before it is painted. Hair
+    /// that moves is taken as it is after a few looks.
     pub fn screenshot(&self, name: &str) -> image::RgbImage {
         let path = self.folder.join(format!("{name}.png"));
-        let status = Command::new("import")
-            .env("DISPLAY", &self.display.name)
-            .args(["-window", "root"])
-            .arg(&path)
-            .status()
-            .unwrap();
-        assert!(status.success());
-        image::open(&path).unwrap().to_rgb8()
+        let look = || {
+            let status = Command::new("import")
+                .env("DISPLAY", &self.display.name)
+                .args(["-window", "root"])
+                .arg(&path)
+                .status()
+                .unwrap();
+            assert!(status.success());
+            image::open(&path).unwrap().to_rgb8()
+        };
+        let mut before = look();
+        for _ in 0..6 {
+            std::thread::sleep(Duration::from_millis(250));
+            let now = look();
+            if now == before {
+                break;
+            }
+            before = now;
+        }
+        before
     }
 
     /// Ctrl+Q, and the process ends well.
