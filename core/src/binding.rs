@@ -18,7 +18,7 @@ use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
 use crate::hash::combine;
 use crate::io::Watch;
-use crate::maps::uvs::{scalp_triangles, scalp_uvs};
+use crate::maps::uvs::scalp_uvs;
 use crate::maps::{MapKind, ScalpMap};
 use crate::mean_value::mean_value_weights;
 use crate::mesh::TriMesh;
@@ -305,26 +305,20 @@ struct Place {
     uv: [f32; 2],
 }
 
-/// The triangles that grow hair ([`scalp_triangles`]).
+/// The triangles that grow hair ([`TriMesh::scalp_triangles`]).
 struct Scalp<'a> {
     mesh: &'a TriMesh,
     triangles: Vec<u32>,
     query: MeshQuery,
-    normals: Vec<Vec3>,
+    normals: Cow<'a, [Vec3]>,
     uvs: Cow<'a, [[f32; 2]]>,
 }
 
 impl<'a> Scalp<'a> {
     fn new(mesh: &'a TriMesh) -> Option<Self> {
-        let triangles = scalp_triangles(mesh);
+        let triangles = mesh.scalp_triangles();
         let query = MeshQuery::of_triangles(mesh, triangles.iter().copied()).ok()?;
-        let normals = if mesh.normals.len() == mesh.positions.len() {
-            mesh.normals.clone()
-        } else {
-            let mut with_normals = mesh.clone();
-            with_normals.compute_normals();
-            with_normals.normals
-        };
+        let normals = mesh.vertex_normals();
         Some(Self { mesh, triangles, query, normals, uvs: scalp_uvs(mesh) })
     }
 

@@ -114,6 +114,18 @@ pub enum Source {
     Strands(Arc<Strands>),
 }
 
+impl Source {
+    /// Whether this is the very same source, and not only an equal one: told by where it is, since comparing hundreds
+    /// of megabytes of strands would take longer than drawing them.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::HairMesh(a), Self::HairMesh(b)) => Arc::ptr_eq(a, b),
+            (Self::Guides(a), Self::Guides(b)) | (Self::Strands(a), Self::Strands(b)) => Arc::ptr_eq(a, b),
+            (Self::HairMesh(_) | Self::Guides(_) | Self::Strands(_), _) => false,
+        }
+    }
+}
+
 /// What the fibres are made of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]

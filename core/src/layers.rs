@@ -93,21 +93,12 @@ impl Source {
     }
 }
 
-/// Whether two layers trace the same source, not only an equal one.
-fn share_source(a: &Layer, b: &Layer) -> bool {
-    match (&a.source, &b.source) {
-        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
-        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
-        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
-    }
-}
-
 impl Groom {
     /// The layers that trace the same source as layer `layer_idx`, itself among them, ascending; empty where there
     /// is no such layer.
     pub fn layers_sharing(&self, layer_idx: usize) -> Vec<usize> {
         let Some(layer) = self.layers.get(layer_idx) else { return Vec::new() };
-        (0..self.layers.len()).filter(|&other| share_source(layer, &self.layers[other])).collect()
+        (0..self.layers.len()).filter(|&other| layer.source.is_same(&self.layers[other].source)).collect()
     }
 
     /// Let layers whose sources are equal share one: files hold a source once a layer.

@@ -1,5 +1,7 @@
 //! A triangle mesh with named face groups: the head, a collider, a scalp.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +43,24 @@ impl TriMesh {
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.positions.first()?;
         Some(self.positions.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p))))
+    }
+
+    /// The triangles that grow hair: the scalp group, or all where there is none.
+    pub fn scalp_triangles(&self) -> Vec<u32> {
+        match self.group(SCALP_GROUP) {
+            Some(group) if !group.triangles.is_empty() => group.triangles.clone(),
+            Some(_) | None => (0..self.triangles.len() as u32).collect(),
+        }
+    }
+
+    /// One normal a vertex: the mesh's own, or smooth ones where it has none.
+    pub fn vertex_normals(&self) -> Cow<'_, [Vec3]> {
+        if self.normals.len() == self.positions.len() {
+            return Cow::Borrowed(&self.normals);
+        }
+        let mut copy = self.clone();
+        copy.compute_normals();
+        Cow::Owned(copy.normals)
     }
 
     /// Compute smooth vertex normals, weighted by area. Vertices at one place share their normal, so

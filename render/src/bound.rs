@@ -122,7 +122,8 @@ impl Bound {
 
     /// A layer whose roots were chosen among the same places: only density, count or style are others.
     fn similar(&self, layer: &Layer) -> Option<&LayerBinding> {
-        let is_similar = |known: &&BoundLayer| known.layer.seed == layer.seed && has_same_source(&known.layer, layer);
+        let is_similar =
+            |known: &&BoundLayer| known.layer.seed == layer.seed && known.layer.source.is_same(&layer.source);
         self.layers.iter().find(is_similar).map(|known| &*known.binding)
     }
 
@@ -211,15 +212,7 @@ fn bind(
 
 /// Do two layers have the same guides, roots and weights?
 fn binds_alike(a: &Layer, b: &Layer) -> bool {
-    has_same_source(a, b) && has_same_places(a, b)
-}
-
-fn has_same_source(a: &Layer, b: &Layer) -> bool {
-    match (&a.source, &b.source) {
-        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
-        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
-        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
-    }
+    a.source.is_same(&b.source) && has_same_places(a, b)
 }
 
 /// Do two layers of the same source have the same strands?

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, Mat4, Vec3};
 use lorelei_core::look::{Look, Shadowing};
-use lorelei_core::maps::uvs::{scalp_triangles, scalp_uvs};
+use lorelei_core::maps::uvs::scalp_uvs;
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
 use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
@@ -85,18 +85,10 @@ impl HeadPass {
 
     pub fn set_mesh(&mut self, gpu: &Gpu, mesh: Option<&TriMesh>) {
         self.mesh = mesh.filter(|mesh| !mesh.triangles.is_empty()).map(|mesh| {
-            let computed;
-            let normals = if mesh.normals.len() == mesh.positions.len() {
-                &mesh.normals
-            } else {
-                let mut copy = mesh.clone();
-                copy.compute_normals();
-                computed = copy.normals;
-                &computed
-            };
+            let normals = mesh.vertex_normals();
             Mesh {
                 positions: gpu.buffer_of("head.positions", &mesh.positions, BufferUsages::STORAGE),
-                normals: gpu.buffer_of("head.normals", normals, BufferUsages::STORAGE),
+                normals: gpu.buffer_of("head.normals", &normals, BufferUsages::STORAGE),
                 indices: gpu.buffer_of("head.indices", &mesh.triangles, BufferUsages::STORAGE),
                 scalp: gpu.buffer_of("head.scalp", &scalp_of(mesh), BufferUsages::STORAGE),
                 map_places: gpu.buffer_of("head.map_places", &map_places_of(mesh), BufferUsages::STORAGE),
@@ -204,7 +196,7 @@ const HAIRLINE: (f32, f32) = (0.2, 1.4);
 /// Each vertex' place in a painted map and whether it is on the part that maps are of.
 fn map_places_of(mesh: &TriMesh) -> Vec<[f32; 3]> {
     let mut places: Vec<[f32; 3]> = scalp_uvs(mesh).iter().map(|&[u, v]| [u, v, 0.0]).collect();
-    for v in scalp_triangles(mesh).into_iter().flat_map(|t| mesh.triangles[t as usize]) {
+    for v in mesh.scalp_triangles().into_iter().flat_map(|t| mesh.triangles[t as usize]) {
         places[v as usize][2] = 1.0;
     }
     places

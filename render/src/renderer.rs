@@ -446,16 +446,10 @@ impl Renderer {
     }
 }
 
-/// Whether two layers are drawn differently. Sources are told apart by where they are: comparing hundreds of megabytes
-/// of strands would take longer than drawing them.
+/// Whether two layers are drawn differently.
 fn differ(a: &Layer, b: &Layer) -> bool {
-    let is_same_source = match (&a.source, &b.source) {
-        (Source::HairMesh(a), Source::HairMesh(b)) => Arc::ptr_eq(a, b),
-        (Source::Guides(a), Source::Guides(b)) | (Source::Strands(a), Source::Strands(b)) => Arc::ptr_eq(a, b),
-        (Source::HairMesh(_) | Source::Guides(_) | Source::Strands(_), _) => false,
-    };
     let without_source = |layer: &Layer| Layer { source: Source::Strands(Arc::default()), ..layer.clone() };
-    !is_same_source || without_source(a) != without_source(b)
+    !a.source.is_same(&b.source) || without_source(a) != without_source(b)
 }
 
 #[cfg(test)]

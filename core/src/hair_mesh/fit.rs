@@ -7,7 +7,6 @@
 
 use glam::Vec3;
 
-use super::scalp::scalp_triangles;
 use super::{HairMesh, HairMeshError, MeshOp};
 use crate::curve::{catmull_rom, even_parameters};
 use crate::mesh::TriMesh;
@@ -47,7 +46,7 @@ impl HairMesh {
         }
         let roots: Vec<Vec3> = shapes.iter().map(|shape| shape[0]).collect();
         let grid = PointGrid::new(&roots, cell_cm.max(0.1));
-        let mut mesh = Self::on_scalp(head, &scalp_triangles(head), cell_cm)?;
+        let mut mesh = Self::on_scalp(head, &head.scalp_triangles(), cell_cm)?;
         let bare = mesh.faces_far_from(&grid, &roots, COVERS * cell_cm);
         if bare.len() == mesh.n_bundles() {
             return Err(HairMeshError::NothingSelected { needed: "guides that grow on the scalp" });

@@ -11,7 +11,7 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 use glam::{Mat3, Vec3};
 
 use super::{HairMesh, HairMeshError};
-use crate::mesh::{SCALP_GROUP, TriMesh};
+use crate::mesh::TriMesh;
 use crate::mesh_query::MeshQuery;
 
 /// Grid cells that keep less than this share of their area on the scalp are left out.
@@ -19,14 +19,6 @@ const SMALLEST_CELL: f32 = 0.3;
 /// Most cells across the crown of a grid.
 const MOST_CELLS: u32 = 128;
 const NO_SCALP: HairMeshError = HairMeshError::NothingSelected { needed: "faces of the scalp" };
-
-/// The triangles that grow hair: the scalp group, or all where there is none.
-pub fn scalp_triangles(head: &TriMesh) -> Vec<u32> {
-    match head.group(SCALP_GROUP).filter(|group| !group.triangles.is_empty()) {
-        Some(group) => group.triangles.clone(),
-        None => (0..head.triangles.len() as u32).collect(),
-    }
-}
 
 impl HairMesh {
     /// A root layer of the given triangles of the head, neighbours merged to quads where those are good.

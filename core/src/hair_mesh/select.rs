@@ -233,13 +233,18 @@ pub fn faces_within(mesh: &HairMesh, selected: &BTreeSet<VertexId>) -> BTreeSet<
 
 /// The corners of faces.
 pub fn vertices_of_faces(mesh: &HairMesh, faces: &BTreeSet<FaceId>) -> BTreeSet<VertexId> {
-    let corners = |&FaceId { layer, bundle }: &FaceId| {
-        mesh.face(layer, bundle).unwrap_or_default().iter().map(move |&vertex| VertexId { layer, vertex })
-    };
-    faces.iter().flat_map(corners).collect()
+    faces.iter().flat_map(|&face| corners(mesh, face)).collect()
 }
 
-fn all_faces(mesh: &HairMesh) -> impl Iterator<Item = FaceId> {
+/// The corners of a face; none where there is no such face.
+pub fn corners(mesh: &HairMesh, face: FaceId) -> impl Iterator<Item = VertexId> {
+    let layer = face.layer;
+    let corners = mesh.face(layer, face.bundle).unwrap_or_default();
+    corners.iter().map(move |&vertex| VertexId { layer, vertex })
+}
+
+/// Every face of every layer.
+pub fn all_faces(mesh: &HairMesh) -> impl Iterator<Item = FaceId> {
     let faces = (0..mesh.layers.len()).flat_map(|layer| (0..mesh.n_bundles()).map(move |bundle| (layer, bundle)));
     faces.map(|(layer, bundle)| FaceId { layer, bundle }).filter(|f| mesh.face(f.layer, f.bundle).is_some())
 }

@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 
 use super::tiles::{ScalpMap, TILE_SIDE};
-use super::uvs::{scalp_triangles, scalp_uvs};
+use super::uvs::scalp_uvs;
 use crate::mesh::TriMesh;
 
 /// Texels that a chart is painted beyond its border.
@@ -53,20 +53,12 @@ impl ScalpAtlas {
     /// Draw the scalp of a head into a map of this size.
     pub fn new(mesh: &TriMesh, width: u32, height: u32) -> Self {
         let mut atlas = Self { width, height, texels: Vec::new(), blocks: Vec::new() };
-        let triangles = scalp_triangles(mesh);
+        let triangles = mesh.scalp_triangles();
         if triangles.is_empty() {
             return atlas;
         }
         let uvs = scalp_uvs(mesh);
-        let computed;
-        let normals = if mesh.normals.len() == mesh.positions.len() {
-            &mesh.normals
-        } else {
-            let mut copy = mesh.clone();
-            copy.compute_normals();
-            computed = copy.normals;
-            &computed
-        };
+        let normals = mesh.vertex_normals();
         let size = Vec2::new(width as f32, height as f32);
         let in_texels = |v: u32| {
             let [u, v] = uvs[v as usize];
@@ -111,7 +103,7 @@ impl ScalpAtlas {
                         atlas.texels.push(AtlasTexel {
                             tile_idx: y / TILE_SIDE * across + x / TILE_SIDE,
                             at: (y % TILE_SIDE * TILE_SIDE + x % TILE_SIDE) as u16,
-                            normal: (127.0 * mix(normals).normalize_or_zero()).round().to_array().map(|n| n as i8),
+                            normal: (127.0 * mix(&normals).normalize_or_zero()).round().to_array().map(|n| n as i8),
                             position,
                         });
                     }

@@ -9,22 +9,14 @@ use std::borrow::Cow;
 
 use glam::{DMat4, DVec4, Quat, Vec3};
 
-use crate::mesh::{SCALP_GROUP, TriMesh};
+use crate::mesh::TriMesh;
 
 /// Share of the map's half side that made coordinates reach to.
 const REACH: f32 = 0.96;
 
-/// The triangles that grow hair: the scalp group, or all where there is none.
-pub fn scalp_triangles(mesh: &TriMesh) -> Vec<u32> {
-    match mesh.group(SCALP_GROUP) {
-        Some(group) if !group.triangles.is_empty() => group.triangles.clone(),
-        Some(_) | None => (0..mesh.triangles.len() as u32).collect(),
-    }
-}
-
 /// One texture coordinate a vertex of the mesh. Those of vertices off the scalp may leave 0-1.
 pub fn scalp_uvs(mesh: &TriMesh) -> Cow<'_, [[f32; 2]]> {
-    let triangles = scalp_triangles(mesh);
+    let triangles = mesh.scalp_triangles();
     if can_carry(mesh, &triangles) { Cow::Borrowed(&mesh.uvs) } else { Cow::Owned(made_uvs(mesh, &triangles)) }
 }
 
@@ -89,7 +81,7 @@ fn sphere_centre(points: impl Iterator<Item = Vec3>) -> Option<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::FaceGroup;
+    use crate::mesh::{FaceGroup, SCALP_GROUP};
     use crate::mesh_query::tests::sphere;
 
     /// A ball whose upper part is scalp, without coordinates of its own.
@@ -107,7 +99,8 @@ mod tests {
         let ball = bald_ball();
         let uvs = scalp_uvs(&ball);
         assert!(matches!(uvs, Cow::Owned(_)));
-        let ratios: Vec<f32> = scalp_triangles(&ball)
+        let ratios: Vec<f32> = ball
+            .scalp_triangles()
             .into_iter()
             .map(|t| {
                 let [a, b, c] = ball.corners(t as usize);

@@ -1,4 +1,5 @@
-//! How a brush's size and strength are set with the hand on it: `[` `]`, Shift with them, and B with a drag.
+//! How a brush's size and strength are set with the hand on it: `[` `]`, Shift with them,
+//! B with a drag, or F and then the pointer.
 
 use egui::{Color32, Key, Pos2, Stroke, Ui};
 use glam::Vec3;
@@ -31,6 +32,40 @@ pub fn adjust(ui: &Ui, view: &View<'_>, brush: &mut Brush) -> bool {
         }
         is_setting
     })
+}
+
+/// A radius or strength that follows the pointer after F, as in Blender.
+pub struct Setting {
+    is_strength: bool,
+    before: Brush,
+}
+
+impl Setting {
+    pub fn new(is_strength: bool, brush: &Brush) -> Self {
+        Self { is_strength, before: *brush }
+    }
+}
+
+/// Follow the pointer with a setting until it is kept or taken back. True while one is being set.
+pub fn follow(ui: &Ui, setting: &mut Option<Setting>, brush: &mut Brush) -> bool {
+    let Some(following) = setting else { return false };
+    let (delta, is_kept, is_taken_back) = ui.input(|input| {
+        let is_kept = input.pointer.primary_pressed() || input.key_pressed(Key::Enter);
+        let is_taken_back = input.pointer.secondary_pressed() || input.key_pressed(Key::Escape);
+        (input.pointer.delta(), is_kept, is_taken_back)
+    });
+    if following.is_strength {
+        brush.strength = (brush.strength + 0.004 * delta.x).clamp(0.01, 1.0);
+    } else {
+        brush.scale_radius((0.01 * delta.x).exp());
+    }
+    if is_taken_back {
+        *brush = following.before;
+    }
+    if is_kept || is_taken_back {
+        *setting = None;
+    }
+    true
 }
 
 /// The brush's rim around a place, and a thinner ring at half its strength.

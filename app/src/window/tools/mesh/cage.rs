@@ -7,9 +7,9 @@ use glam::Vec3;
 use lorelei_core::hair_mesh::{HairMesh, OuterSurface, VertexId};
 use lorelei_core::mesh_query::MeshQuery;
 
-use lorelei_core::hair_mesh::select::FaceId;
+use lorelei_core::hair_mesh::select::{FaceId, all_faces, corners};
 
-use super::selection::{Element, MeshSelection, Picked, all_faces, corners};
+use super::selection::{Element, MeshSelection, Picked};
 use crate::window::theme;
 use crate::window::tools::View;
 

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Layer, Source};
-use lorelei_core::hair_mesh::scalp::scalp_triangles;
 use lorelei_core::hair_mesh::select::FaceId;
 use lorelei_core::hair_mesh::symmetry::{MIRROR_TOLERANCE_CM, MirrorPairs, Side};
 use lorelei_core::hair_mesh::{Along, FaceCut, HairMesh, MeshOp, OuterSurface, VertexDrag, VertexId, VertexMotion};
@@ -271,7 +270,7 @@ pub fn new_on_scalp(tool: &mut MeshTool, desk: &mut Desk) {
     let Some(head) = desk.document.groom.head.clone() else {
         return tool.refuse("there is no head: import one, or use the mannequin");
     };
-    match HairMesh::on_scalp(&head.mesh, &scalp_triangles(&head.mesh), tool.settings.new_spacing) {
+    match HairMesh::on_scalp(&head.mesh, &head.mesh.scalp_triangles(), tool.settings.new_spacing) {
         Ok(mesh) => {
             let layer_idx = desk.document.groom.layers.len();
             let mut layer = Layer::new("Hair mesh", Source::HairMesh(Arc::new(mesh.clone())));

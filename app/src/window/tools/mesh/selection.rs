@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use lorelei_core::hair_mesh::select::{self, FaceId, Links};
+use lorelei_core::hair_mesh::select::{self, FaceId, Links, all_faces, corners};
 use lorelei_core::hair_mesh::{EdgeId, HairMesh, Report, VertexId};
 
 use super::commands::MeshCommand;
@@ -250,21 +250,6 @@ fn put<T: Ord + Copy>(set: &mut BTreeSet<T>, one: T, join: Join) {
             }
         }
     }
-}
-
-/// The corners of a face; none where there is no such face.
-pub fn corners(mesh: &HairMesh, face: FaceId) -> impl Iterator<Item = VertexId> {
-    let layer = face.layer;
-    let corners = mesh.face(layer, face.bundle).unwrap_or_default();
-    corners.iter().map(move |&vertex| VertexId { layer, vertex })
-}
-
-/// Every face of every layer.
-pub fn all_faces(mesh: &HairMesh) -> impl Iterator<Item = FaceId> {
-    mesh.layers.iter().enumerate().flat_map(|(layer, faces)| {
-        let there = faces.faces.iter().enumerate().filter(|(_, face)| face.is_some());
-        there.map(move |(bundle, _)| FaceId { layer, bundle })
-    })
 }
 
 /// Every edge, some of them more than once.

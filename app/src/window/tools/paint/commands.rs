@@ -9,7 +9,7 @@ use lorelei_core::maps::ScalpMap;
 
 use crate::window::commands::{Command, Row, key, shift};
 use crate::window::desk::Desk;
-use crate::window::tools::Tool;
+use crate::window::tools::{Tool, brush_input};
 
 /// A command of the painting tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -67,8 +67,8 @@ pub fn run(desk: &mut Desk, command: PaintCommand) {
     let kind = paint.kind.clone();
     let known = desk.document.groom.layers[layer_idx].maps.get(&kind).cloned();
     let (label, map) = match command {
-        PaintCommand::Radius => return paint.setting = Some(super::Setting::new(false, &paint.brush)),
-        PaintCommand::Strength => return paint.setting = Some(super::Setting::new(true, &paint.brush)),
+        PaintCommand::Radius => return paint.setting = Some(brush_input::Setting::new(false, &paint.brush)),
+        PaintCommand::Strength => return paint.setting = Some(brush_input::Setting::new(true, &paint.brush)),
         PaintCommand::Sample => return paint.wants_sample = true,
         PaintCommand::Mirror => return paint.brush.is_symmetric ^= true,
         PaintCommand::Load | PaintCommand::Save => return,

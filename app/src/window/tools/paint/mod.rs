@@ -44,7 +44,7 @@ pub struct PaintTool {
     pub veil: Veil,
     /// PNG is written with 16 bits.
     pub is_16_bit: bool,
-    setting: Option<Setting>,
+    setting: Option<brush_input::Setting>,
     wants_sample: bool,
     stroke: Option<Running>,
     n_strokes: u64,
@@ -82,18 +82,6 @@ struct Running {
     label: String,
     /// Where the pointer was last.
     at: Pos2,
-}
-
-/// A radius or strength that follows the pointer after F, as in Blender.
-pub struct Setting {
-    is_strength: bool,
-    before: Brush,
-}
-
-impl Setting {
-    fn new(is_strength: bool, brush: &Brush) -> Self {
-        Self { is_strength, before: *brush }
-    }
 }
 
 /// The layer that is painted: the selected one, or the first.
@@ -164,7 +152,8 @@ impl PaintTool {
         if self.default_map.as_ref().is_none_or(|(kind, _)| *kind != self.kind) {
             self.default_map = Some((self.kind.clone(), Arc::new(self.kind.empty_map())));
         }
-        let is_setting = self.follow_setting(ui) || brush_input::adjust(ui, view, &mut self.brush);
+        let is_setting = brush_input::follow(ui, &mut self.setting, &mut self.brush)
+            || brush_input::adjust(ui, view, &mut self.brush);
         if self.shows_map {
             legend(ui, view, &self.kind);
         }
@@ -207,28 +196,6 @@ impl PaintTool {
             }
         }
         is_setting || self.stroke.is_some()
-    }
-
-    /// A radius or strength that follows the pointer.
-    fn follow_setting(&mut self, ui: &Ui) -> bool {
-        let Some(setting) = &self.setting else { return false };
-        let (delta, is_kept, is_taken_back) = ui.input(|input| {
-            let is_kept = input.pointer.primary_pressed() || input.key_pressed(egui::Key::Enter);
-            let is_taken_back = input.pointer.secondary_pressed() || input.key_pressed(egui::Key::Escape);
-            (input.pointer.delta(), is_kept, is_taken_back)
-        });
-        if setting.is_strength {
-            self.brush.strength = (self.brush.strength + 0.004 * delta.x).clamp(0.01, 1.0);
-        } else {
-            self.brush.scale_radius((0.01 * delta.x).exp());
-        }
-        if is_taken_back {
-            self.brush = setting.before;
-        }
-        if is_kept || is_taken_back {
-            self.setting = None;
-        }
-        true
     }
 
     fn begin(&mut self, ui: &Ui, desk: &Desk, at: Pos2) {

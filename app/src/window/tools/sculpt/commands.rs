@@ -7,10 +7,9 @@ use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 use lorelei_core::sculpt::{SculptBrush, SculptChange, SculptGuide, SculptLayer};
 
-use super::Setting;
 use crate::window::commands::{Command, Row, key, shift};
 use crate::window::desk::Desk;
-use crate::window::tools::Tool;
+use crate::window::tools::{Tool, brush_input};
 
 /// A command of the sculpting tool.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -89,10 +88,10 @@ pub fn run(desk: &mut Desk, command: SculptCommand) {
     let (label, edit) = match command {
         SculptCommand::Brush(kind) => return tool.kind = kind,
         SculptCommand::Radius => {
-            return tool.setting = Some(Setting { is_strength: false, before: tool.brush });
+            return tool.setting = Some(brush_input::Setting::new(false, &tool.brush));
         }
         SculptCommand::Strength => {
-            return tool.setting = Some(Setting { is_strength: true, before: tool.brush });
+            return tool.setting = Some(brush_input::Setting::new(true, &tool.brush));
         }
         SculptCommand::Mirror => return tool.brush.is_symmetric ^= true,
         SculptCommand::AddLayer => {

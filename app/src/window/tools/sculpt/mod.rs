@@ -34,7 +34,7 @@ pub struct SculptTool {
     pub kind: SculptBrush,
     /// Which sculpt layer strokes go to.
     pub sculpt_idx: usize,
-    setting: Option<Setting>,
+    setting: Option<brush_input::Setting>,
     preparation: Preparation,
     running: Option<Running>,
     n_strokes: u64,
@@ -42,12 +42,6 @@ pub struct SculptTool {
     hover: Option<((u64, u64), StrokeView, DepthMap)>,
     /// Why the last press began no stroke.
     refusal: Option<&'static str>,
-}
-
-/// A radius or strength that follows the pointer after F, as in Blender.
-struct Setting {
-    is_strength: bool,
-    before: Brush,
 }
 
 /// A stroke that is being made.
@@ -88,7 +82,8 @@ impl SculptTool {
         if self.running.is_none() {
             self.preparation.follow(ui.ctx(), &groom.layers[layer_idx], groom.head.as_ref());
         }
-        let is_setting = self.follow_setting(ui) || brush_input::adjust(ui, view, &mut self.brush);
+        let is_setting = brush_input::follow(ui, &mut self.setting, &mut self.brush)
+            || brush_input::adjust(ui, view, &mut self.brush);
         self.follow_stroke(ui, desk, view, layer_idx, is_setting);
         if let Some(at) = view.pointer(ui) {
             self.cursor(ui, desk, view, layer_idx, at);
@@ -211,28 +206,6 @@ impl SculptTool {
         let edit = Edit::Sculpt { layer_idx: running.layer_idx, sculpt_idx: running.sculpt_idx, changes };
         desk.document.edit(&running.label, edit, Merge::Stroke(self.n_strokes));
         running.is_done = true;
-    }
-
-    /// A radius or strength that follows the pointer.
-    fn follow_setting(&mut self, ui: &Ui) -> bool {
-        let Some(setting) = &self.setting else { return false };
-        let (delta, is_kept, is_taken_back) = ui.input(|input| {
-            let is_kept = input.pointer.primary_pressed() || input.key_pressed(egui::Key::Enter);
-            let is_taken_back = input.pointer.secondary_pressed() || input.key_pressed(egui::Key::Escape);
-            (input.pointer.delta(), is_kept, is_taken_back)
-        });
-        if setting.is_strength {
-            self.brush.strength = (self.brush.strength + 0.004 * delta.x).clamp(0.01, 1.0);
-        } else {
-            self.brush.scale_radius((0.01 * delta.x).exp());
-        }
-        if is_taken_back {
-            self.brush = setting.before;
-        }
-        if is_kept || is_taken_back {
-            self.setting = None;
-        }
-        true
     }
 
     /// The brush's rim, on the hair or the head under the pointer.
