@@ -11,6 +11,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 mod places;
+mod regrown;
 
 use crate::clumps::{BundleReach, Clumps, Path};
 use crate::groom::{Head, Layer, Source, StrandCount};
@@ -158,6 +159,11 @@ impl LayerBinding {
         {
             return;
         }
+        self.clumps = Clumps::of_style(style, &self.paths(), self.reach.as_deref());
+    }
+
+    /// What clumps are found by.
+    fn paths(&self) -> Vec<Path> {
         let n_vertices = self.guides.n_vertices as usize;
         let at = |strand_idx: usize, vertex: usize| -> Vec3 {
             self.influences(strand_idx)
@@ -165,7 +171,7 @@ impl LayerBinding {
                 .map(|i| i.weight * self.guides.positions[i.guide_idx as usize * n_vertices + vertex])
                 .sum()
         };
-        let paths: Vec<Path> = (0..self.n_strands())
+        (0..self.n_strands())
             .into_par_iter()
             .map(|strand_idx| {
                 if let Some(&bundle) = self.bundles.get(strand_idx) {
@@ -179,8 +185,13 @@ impl LayerBinding {
                     to_tip: at(strand_idx, n_vertices - 1) - root,
                 }
             })
-            .collect();
-        self.clumps = Clumps::of_style(style, &paths, self.reach.as_deref());
+            .collect()
+    }
+
+    /// Where each strand's run begins in the knots of a hair mesh, by the height of its bundle.
+    fn first_knots_in(&self, mesh: &HairMesh) -> Vec<u32> {
+        let n_gaps = |bundle: u32| mesh.tip_layer(bundle as usize).unwrap_or(0) as u32;
+        self.bundles.iter().map(|&bundle| n_gaps(bundle) * self.guides.n_vertices).collect()
     }
 
     /// The same strands of a hair mesh whose vertices above the root layer have moved: see
@@ -463,8 +474,7 @@ fn bind_hair_mesh(
         binding.push_place(place, scalp);
         binding.bundles.push(root.face);
     }
-    let n_gaps = |bundle: u32| mesh.tip_layer(bundle as usize).unwrap_or(0) as u32;
-    binding.first_knots = binding.bundles.iter().map(|&bundle| n_gaps(bundle) * binding.guides.n_vertices).collect();
+    binding.first_knots = binding.first_knots_in(mesh);
     binding.measure_offsets();
     binding
 }

@@ -132,18 +132,41 @@ impl Clumps {
 
     /// Find the clumps of strands in their order of detail; `reach` where the strands are a hair mesh's.
     pub fn of_style(style: &[StyleOp], paths: &[Path], reach: Option<&BundleReach>) -> Self {
-        let sizes = Self::sizes_of(style);
+        Self::find(Self::sizes_of(style), paths, reach, |_, _| None)
+    }
+
+    /// The same strands' clumps where bundles reach as in `after` and not as in `before`: a strand whose bundle
+    /// reaches what it did keeps its clumps' middles without a search.
+    pub fn reaching(&self, paths: &[Path], before: &BundleReach, after: &BundleReach) -> Self {
+        let is_same: Vec<bool> = before.within.iter().zip(&after.within).map(|(a, b)| a == b).collect();
+        let n_sizes = self.sizes.len();
+        // A finer clump's middle is the middle of its own, so that what a search found is still known.
+        let known = |size_idx: usize, member: usize| {
+            let bundle = paths[member].bundle as usize;
+            is_same.get(bundle).is_some_and(|same| *same).then(|| self.middles[member * n_sizes + size_idx])
+        };
+        Self::find(self.sizes.clone(), paths, Some(after), known)
+    }
+
+    /// `known` tells the nearest middle of a size for a member of it, where no search is needed.
+    fn find(
+        sizes: Vec<f32>,
+        paths: &[Path],
+        reach: Option<&BundleReach>,
+        known: impl Fn(usize, usize) -> Option<u32> + Sync,
+    ) -> Self {
         let n_sizes = sizes.len();
         let mut middles = vec![0; paths.len() * n_sizes];
         if paths.is_empty() || n_sizes == 0 {
             return Self { sizes, middles };
         }
-        // Coarsest first: a fine middle's own coarse clumps are known when its members inherit them.
+        // Coarsest last: the members of a coarse clump are the middles of finer ones.
         let mut by_size: Vec<Vec<u32>> = Vec::with_capacity(n_sizes);
         let mut n_members = paths.len();
-        for &size in &sizes {
+        for (size_idx, &size) in sizes.iter().enumerate() {
             let n_middles = ((paths.len() as f32 / size).round() as usize).clamp(1, n_members);
-            by_size.push(nearest_middles(&paths[..n_members], n_middles, reach));
+            let known = |member: usize| known(size_idx, member);
+            by_size.push(nearest_middles(&paths[..n_members], n_middles, reach, known));
             n_members = n_middles;
         }
         for (strand_idx, of_strand) in middles.chunks_exact_mut(n_sizes).enumerate() {
@@ -168,8 +191,13 @@ impl Clumps {
     }
 }
 
-/// For each path the nearest of the first `n_middles`.
-fn nearest_middles(paths: &[Path], n_middles: usize, reach: Option<&BundleReach>) -> Vec<u32> {
+/// For each path the nearest of the first `n_middles`, or the one that is known.
+fn nearest_middles(
+    paths: &[Path],
+    n_middles: usize,
+    reach: Option<&BundleReach>,
+    known: impl Fn(usize) -> Option<u32> + Sync,
+) -> Vec<u32> {
     let may_share = |a: &Path, b: &Path| reach.is_none_or(|reach| reach.reaches(a.bundle, b.bundle));
     let roots: Vec<Vec3> = paths[..n_middles].iter().map(|path| path.root).collect();
     // The middles' spacing: the mean distance of neighbours among some of them.
@@ -186,6 +214,9 @@ fn nearest_middles(paths: &[Path], n_middles: usize, reach: Option<&BundleReach>
         .map(|(strand_idx, path)| {
             if strand_idx < n_middles {
                 return strand_idx as u32;
+            }
+            if let Some(known) = known(strand_idx) {
+                return known;
             }
             let mut best = (f32::INFINITY, u32::MAX);
             grid.within(path.root, 2.5 * spacing, |middle, root_squared| {

@@ -12,6 +12,7 @@ use lorelei_core::binding::{LayerBinding, rebind_layer};
 use lorelei_core::clumps::Clumps;
 use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::groom::{Groom, Head, Layer, Source};
+use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::Watch;
 use lorelei_core::maps::MapKind;
 
@@ -36,7 +37,11 @@ pub(crate) struct BoundLayer {
 /// Share of the work that the distance field is, beside a layer of 100,000 strands.
 const FIELD_SHARE: f32 = 0.3;
 
-static N_PLACES: AtomicU64 = AtomicU64::new(0);
+/// For [`BoundLayer::places`].
+fn another_number() -> u64 {
+    static N_PLACES: AtomicU64 = AtomicU64::new(0);
+    N_PLACES.fetch_add(1, Ordering::Relaxed)
+}
 
 impl Bound {
     /// Bind a groom; what is bound alike in `self` is kept. `None` where it was cancelled.
@@ -98,18 +103,22 @@ impl Bound {
         let is_current = |layer: &Layer| {
             // Maps other than density are asked again within a frame.
             let is_current = |known: &BoundLayer| known.has_clumps_of(layer) && known.has_sculpt_of(layer);
-            self.known(layer).is_some_and(is_current) || self.unmoved(layer).is_some_and(is_current)
+            self.known(layer).is_some_and(is_current) || self.same_strands(layer).is_some_and(is_current)
         };
         !self.has_head_of(groom) || !groom.layers.iter().all(is_current)
     }
 
-    /// The layer that was bound alike but for where the vertices of its hair mesh are.
-    fn unmoved(&self, layer: &Layer) -> Option<&BoundLayer> {
+    /// The layer that was bound alike but for what its hair mesh is above the root layer; best one with the same
+    /// faces.
+    fn same_strands(&self, layer: &Layer) -> Option<&BoundLayer> {
         let Source::HairMesh(mesh) = &layer.source else { return None };
-        self.layers.iter().find(|known| match &known.layer.source {
-            Source::HairMesh(before) => has_same_places(&known.layer, layer) && before.differs_in_shape_only(mesh),
-            Source::Guides(_) | Source::Strands(_) => false,
-        })
+        let alike = |is_alike: fn(&HairMesh, &HairMesh) -> bool| {
+            self.layers.iter().find(|known| match &known.layer.source {
+                Source::HairMesh(before) => has_same_places(&known.layer, layer) && is_alike(before, mesh),
+                Source::Guides(_) | Source::Strands(_) => false,
+            })
+        };
+        alike(HairMesh::differs_in_shape_only).or_else(|| alike(HairMesh::grows_the_same_strands))
     }
 
     fn has_head_of(&self, groom: &Groom) -> bool {
@@ -129,9 +138,15 @@ impl Bound {
 
     fn known_or_moved(&self, layer: &Layer) -> Option<BoundLayer> {
         self.known(layer).cloned().or_else(|| {
-            let known = self.unmoved(layer)?;
-            let Source::HairMesh(mesh) = &layer.source else { return None };
-            Some(BoundLayer { binding: Arc::new(known.binding.moved(mesh)), ..known.clone() })
+            let known = self.same_strands(layer)?;
+            let (Source::HairMesh(before), Source::HairMesh(mesh)) = (&known.layer.source, &layer.source) else {
+                return None;
+            };
+            if before.differs_in_shape_only(mesh) {
+                return Some(BoundLayer { binding: Arc::new(known.binding.moved(mesh)), ..known.clone() });
+            }
+            let binding = Arc::new(known.binding.regrown(before, mesh)?);
+            Some(BoundLayer { binding, places: another_number(), ..known.clone() })
         })
     }
 
@@ -207,7 +222,7 @@ fn bind(
         warnings.push(format!("{} has no hair: {error}", layer.name));
     }
     let binding = Arc::new(rebind_layer(layer, head, similar, watch)?);
-    Some(BoundLayer { layer: layer.clone(), binding, places: N_PLACES.fetch_add(1, Ordering::Relaxed) })
+    Some(BoundLayer { layer: layer.clone(), binding, places: another_number() })
 }
 
 /// Do two layers have the same guides, roots and weights?
@@ -223,4 +238,56 @@ fn has_same_places(a: &Layer, b: &Layer) -> bool {
         (Some(_), None) | (None, Some(_)) => false,
     };
     same_density && (a.n_strands, a.count, a.seed) == (b.n_strands, b.count, b.seed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use lorelei_core::hair_mesh::{Along, MeshOp, Weld};
+
+    /// A strip of four quads with two layers above.
+    fn strip() -> HairMesh {
+        let positions = (0..10).map(|i| Vec3::new((i / 2) as f32, 0.0, (i % 2) as f32)).collect();
+        let faces = (0..4).map(|i| vec![2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2]).collect();
+        let mut mesh = HairMesh::from_polygons(positions, faces).unwrap();
+        mesh.apply(&extrude(vec![0, 1, 2])).unwrap();
+        mesh
+    }
+
+    fn extrude(bundles: Vec<usize>) -> MeshOp {
+        MeshOp::Extrude {
+            bundles,
+            along: Along::Direction(Vec3::Y),
+            length_cm: 2.0,
+            n_layers: 2,
+            weld: Weld::Neighbours,
+        }
+    }
+
+    fn groom_of(mesh: HairMesh) -> Groom {
+        let layer = Layer { n_strands: 500, ..Layer::new("strip", Source::HairMesh(Arc::new(mesh))) };
+        Groom { layers: vec![layer], ..Groom::default() }
+    }
+
+    #[test]
+    fn what_changes_above_the_roots_is_bound_within_a_frame_and_as_from_scratch() {
+        let scratch = |groom: &Groom| Bound::default().update(groom, Watch::default()).unwrap();
+        let before = scratch(&groom_of(strip()));
+        let mut moved = strip();
+        moved.move_vertices(1, |_, p| p + Vec3::X);
+        let mut longer = strip();
+        longer.apply(&extrude(vec![1])).unwrap();
+        for (mesh, has_same_guides) in [(moved, true), (longer, false)] {
+            let groom = groom_of(mesh);
+            assert!(!before.is_behind(&groom));
+            let after = before.update(&groom, Watch::default()).unwrap();
+            assert!(after.layers[0].binding == scratch(&groom).layers[0].binding);
+            // The number tells the GPU's side whether it has room for the guides.
+            assert_eq!(after.layers[0].places == before.layers[0].places, has_same_guides);
+        }
+        let mut wider = strip();
+        wider.apply(&extrude(vec![3])).unwrap();
+        assert!(before.is_behind(&groom_of(wider)), "other faces of the scalp grow other strands");
+    }
 }

@@ -218,6 +218,15 @@ fn trace(lines: &mut Vec<Line>) -> Result<(), CliError> {
     let ms = median_ms(N_ROUNDS, || drop(binding.moved(&moved)));
     lines.push(Line { what: "a vertex moved: what the strands hang on", n, ms, note: String::new() });
 
+    let mut longer = HairMesh::clone(mesh);
+    let bundles = (0..longer.n_bundles()).step_by(3).filter(|&bundle| longer.tip_layer(bundle).is_some()).collect();
+    let along = Along::Direction(Vec3::NEG_Y);
+    longer
+        .apply(&MeshOp::Extrude { bundles, along, length_cm: 1.0, n_layers: 1, weld: Weld::Neighbours })
+        .map_err(CliError::failed)?;
+    let ms = median_ms(N_ROUNDS, || drop(binding.regrown(mesh, &longer)));
+    lines.push(Line { what: "a third extruded: what the strands hang on", n, ms, note: String::new() });
+
     let mut history = History::default();
     let n_vertices = mesh.n_vertices();
     let id = VertexId { layer: 3, vertex: 0 };

@@ -123,6 +123,16 @@ impl HairMesh {
             && self.layers.first().map(|root| &root.positions) == other.layers.first().map(|root| &root.positions)
     }
 
+    /// Whether `other` has the same root layer, with hair on the same of its faces: the same strands grow on it,
+    /// whatever the layers above are.
+    pub fn grows_the_same_strands(&self, other: &Self) -> bool {
+        let (Some(a), Some(b)) = (self.layers.first(), other.layers.first()) else { return false };
+        let has_hair = |mesh: &Self, bundle: usize| mesh.face(1, bundle).is_some();
+        a.positions == b.positions
+            && a.faces == b.faces
+            && (0..a.faces.len()).all(|bundle| has_hair(self, bundle) == has_hair(other, bundle))
+    }
+
     /// Smallest box around all vertices as (min, max); `None` where there are none.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let mut all = self.layers.iter().flat_map(|layer| layer.positions.iter().copied());

@@ -59,20 +59,7 @@ impl OuterSurface {
             faces.push(OuterFace { corners, bundle, layer: tip, is_tip: true });
         }
         for layer in 1..mesh.layers.len() {
-            let mut sides: Vec<(usize, [u32; 4])> = Vec::new();
-            let mut n_bundles_of: HashMap<[u32; 4], u32> = HashMap::new();
-            for bundle in 0..mesh.n_bundles() {
-                let (Some(above), Some(below)) = (mesh.face(layer, bundle), mesh.face(layer - 1, bundle)) else {
-                    continue;
-                };
-                for i in 0..above.len() {
-                    let j = (i + 1) % above.len();
-                    let side = [below[i], below[j], above[j], above[i]];
-                    *n_bundles_of.entry(unordered(side)).or_default() += 1;
-                    sides.push((bundle, side));
-                }
-            }
-            for (bundle, side) in sides.into_iter().filter(|(_, side)| n_bundles_of[&unordered(*side)] == 1) {
+            for (bundle, side) in unshared_sides(mesh, layer) {
                 let at = |layer: usize, vertex: u32| VertexId { layer, vertex };
                 let mut corners =
                     vec![at(layer - 1, side[0]), at(layer - 1, side[1]), at(layer, side[2]), at(layer, side[3])];
@@ -142,6 +129,24 @@ fn layer_corners(mesh: &HairMesh, layer: usize, bundle: usize) -> Vec<VertexId> 
     mesh.face(layer, bundle).unwrap_or_default().iter().map(|&vertex| VertexId { layer, vertex }).collect()
 }
 
+/// The sides between a layer and the one below that no other bundle shares: bundle, the lower edge, and the upper
+/// edge the other way round.
+fn unshared_sides(mesh: &HairMesh, layer: usize) -> Vec<(usize, [u32; 4])> {
+    let mut sides: Vec<(usize, [u32; 4])> = Vec::new();
+    let mut n_bundles_of: HashMap<[u32; 4], u32> = HashMap::new();
+    for bundle in 0..mesh.n_bundles() {
+        let (Some(above), Some(below)) = (mesh.face(layer, bundle), mesh.face(layer - 1, bundle)) else { continue };
+        for i in 0..above.len() {
+            let j = (i + 1) % above.len();
+            let side = [below[i], below[j], above[j], above[i]];
+            *n_bundles_of.entry(unordered(side)).or_default() += 1;
+            sides.push((bundle, side));
+        }
+    }
+    sides.retain(|(_, side)| n_bundles_of[&unordered(*side)] == 1);
+    sides
+}
+
 /// The same for a side seen from either of its bundles.
 fn unordered(side: [u32; 4]) -> [u32; 4] {
     let [a, b, c, d] = side;
@@ -149,6 +154,25 @@ fn unordered(side: [u32; 4]) -> [u32; 4] {
 }
 
 impl HairMesh {
+    /// Per layer and vertex: is it on the outer surface? The root layer, which lies on the scalp, counts too.
+    pub fn external_vertices(&self) -> Vec<Vec<bool>> {
+        let of_layer = |(i, layer): (usize, &super::HairMeshLayer)| vec![i == 0; layer.positions.len()];
+        let mut external: Vec<Vec<bool>> = self.layers.iter().enumerate().map(of_layer).collect();
+        for bundle in 0..self.n_bundles() {
+            if let Some(tip) = self.tip_layer(bundle) {
+                self.face(tip, bundle).into_iter().flatten().for_each(|&v| external[tip][v as usize] = true);
+            }
+        }
+        for layer in 1..self.layers.len() {
+            for (_, [a, b, c, d]) in unshared_sides(self, layer) {
+                for (layer, v) in [(layer - 1, a), (layer - 1, b), (layer, c), (layer, d)] {
+                    external[layer][v as usize] = true;
+                }
+            }
+        }
+        external
+    }
+
     /// Whether a bundle's faces turn clockwise, seen from its tip.
     fn is_clockwise(&self, bundle: usize) -> bool {
         let (Some(root), Some(next)) = (self.face(0, bundle), self.face(1, bundle)) else { return false };

@@ -67,48 +67,6 @@ pub struct Relaxer {
 }
 
 impl HairMesh {
-    /// Per layer and vertex: is it on the outer surface? Tip faces and sides that no other bundle shares
-    /// are; so is the root layer, which lies on the scalp.
-    pub fn external_vertices(&self) -> Vec<Vec<bool>> {
-        use std::collections::HashMap;
-        let mut external: Vec<Vec<bool>> = self.layers.iter().map(|layer| vec![false; layer.positions.len()]).collect();
-        if let Some(root) = external.first_mut() {
-            root.fill(true);
-        }
-        for bundle in 0..self.n_bundles() {
-            if let Some(tip) = self.tip_layer(bundle) {
-                self.face(tip, bundle).into_iter().flatten().for_each(|&v| external[tip][v as usize] = true);
-            }
-        }
-        for layer in 1..self.layers.len() {
-            // A side is shared where two bundles have both its lower and its upper edge in common.
-            let mut n_bundles_of: HashMap<[u32; 4], u32> = HashMap::new();
-            let mut sides = Vec::new();
-            for bundle in 0..self.n_bundles() {
-                let (Some(above), Some(below)) = (self.face(layer, bundle), self.face(layer - 1, bundle)) else {
-                    continue;
-                };
-                for i in 0..above.len() {
-                    let j = (i + 1) % above.len();
-                    let side = [below[i], above[i], below[j], above[j]];
-                    let turned = [below[j], above[j], below[i], above[i]];
-                    *n_bundles_of.entry(side.min(turned)).or_default() += 1;
-                    sides.push(side);
-                }
-            }
-            for side in sides {
-                let turned = [side[2], side[3], side[0], side[1]];
-                if n_bundles_of[&side.min(turned)] == 1 {
-                    external[layer - 1][side[0] as usize] = true;
-                    external[layer - 1][side[2] as usize] = true;
-                    external[layer][side[1] as usize] = true;
-                    external[layer][side[3] as usize] = true;
-                }
-            }
-        }
-        external
-    }
-
     /// Per layer and vertex: is it outside or pinned, and so not placed by relaxing?
     pub fn fixed_vertices(&self) -> Vec<Vec<bool>> {
         let mut fixed = self.external_vertices();

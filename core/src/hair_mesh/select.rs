@@ -250,7 +250,7 @@ pub fn all_faces(mesh: &HairMesh) -> impl Iterator<Item = FaceId> {
 }
 
 /// How much of a move each vertex takes (0-1): the selected ones all of it, others by their distance in
-/// centimetres; those beyond `radius` are not named. The root layer moves only where it is selected.
+/// centimetres; those beyond `radius` are not named. The root layer follows only where some of it is selected.
 pub fn soft_weights(
     mesh: &HairMesh,
     links: &Links,
@@ -263,9 +263,10 @@ pub fn soft_weights(
         Reach::Straight => straight_distances(mesh, selected, radius),
         Reach::Connected => connected_distances(mesh, links, selected, radius),
     };
+    let moves_roots = selected.iter().any(|id| id.layer == 0);
     let weight = |(id, distance): (VertexId, f32)| {
         let weight = if selected.contains(&id) { 1.0 } else { falloff.at(distance / radius.max(f32::MIN_POSITIVE)) };
-        (weight > 0.0 && (id.layer > 0 || selected.contains(&id))).then_some((id, weight))
+        (weight > 0.0 && (id.layer > 0 || moves_roots)).then_some((id, weight))
     };
     distances.into_iter().filter_map(weight).collect()
 }

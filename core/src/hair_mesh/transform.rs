@@ -3,13 +3,12 @@
 //!
 //! A drag is always computed from where it began, so that it can go back and forth without wearing the mesh out.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{Quat, Vec3};
 
 use super::{Accuracy, HairMesh, Relaxer, VertexId};
-use crate::brush::Falloff;
 use crate::mesh_query::MeshQuery;
 
 /// Vertices that follow a hand, from where they were.
@@ -57,31 +56,18 @@ pub struct Limits<'a> {
 const DEEPEST: f32 = 4.0;
 
 impl VertexDrag {
-    /// Take hold of vertices. With `soft`, others among `reachable` within the radius follow less the farther
-    /// they are from the nearest selected one.
+    /// Take hold of vertices. Those of `soft` follow by their share, 0-1 ([`super::select::soft_weights`]).
     pub fn new(
         start: &Arc<HairMesh>,
         selected: &[VertexId],
-        reachable: &[VertexId],
-        soft: Option<(f32, Falloff)>,
+        soft: impl IntoIterator<Item = (VertexId, f32)>,
         mirror: impl Fn(VertexId) -> Option<VertexId>,
     ) -> Self {
         let held: Vec<(VertexId, Vec3)> = selected.iter().filter_map(|&id| Some((id, start.position(id)?))).collect();
         let pivot = held.iter().map(|(_, p)| *p).sum::<Vec3>() / held.len().max(1) as f32;
         let mut weights: Vec<(VertexId, f32)> = held.iter().map(|(id, _)| (*id, 1.0)).collect();
-        if let Some((radius, falloff)) = soft {
-            for &id in reachable {
-                let Some(p) = start.position(id) else { continue };
-                if selected.contains(&id) || (id.layer == 0 && !held.iter().any(|(id, _)| id.layer == 0)) {
-                    continue;
-                }
-                let nearest = held.iter().map(|(_, q)| q.distance_squared(p)).fold(f32::MAX, f32::min).sqrt();
-                let weight = falloff.at(nearest / radius.max(1e-3));
-                if weight > 0.0 {
-                    weights.push((id, weight));
-                }
-            }
-        }
+        let selected: HashSet<VertexId> = held.iter().map(|(id, _)| *id).collect();
+        weights.extend(soft.into_iter().filter(|(id, _)| !selected.contains(id) && start.position(*id).is_some()));
         let followed: HashMap<VertexId, f32> = weights.iter().copied().collect();
         // A vertex whose image follows the hand more is led by that image.
         let mirrors = weights
@@ -296,6 +282,8 @@ impl HairMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::brush::Falloff;
+    use crate::hair_mesh::select::{Links, Reach, soft_weights};
     use crate::hair_mesh::tests::straight_grid;
     use crate::mesh_query::tests::sphere;
 
@@ -306,11 +294,14 @@ mod tests {
         VertexId { layer, vertex: found as u32 }
     }
 
-    fn drag(soft: Option<(f32, Falloff)>) -> (Arc<HairMesh>, VertexDrag) {
+    fn drag(soft_radius: Option<f32>) -> (Arc<HairMesh>, VertexDrag) {
         let mesh = Arc::new(straight_grid(3, 4));
-        let all: Vec<VertexId> =
-            (0..5).flat_map(|layer| (0..16).map(move |vertex| VertexId { layer, vertex })).collect();
-        let drag = VertexDrag::new(&mesh, &[vertex(&mesh, 4, 1.0, 1.0)], &all, soft, |_| None);
+        let selected = vertex(&mesh, 4, 1.0, 1.0);
+        let soft = soft_radius.map(|radius| {
+            let selected = std::collections::BTreeSet::from([selected]);
+            soft_weights(&mesh, &Links::of(&mesh), &selected, radius, Falloff::Smooth, Reach::Straight)
+        });
+        let drag = VertexDrag::new(&mesh, &[selected], soft.into_iter().flatten(), |_| None);
         (mesh, drag)
     }
 
@@ -324,7 +315,7 @@ mod tests {
         let places = hard.places(VertexMotion::Move(Vec3::Y), Limits::default());
         let top = vertex(&mesh, 4, 1.0, 1.0);
         assert_eq!(places, [(top, mesh.position(top).unwrap() + Vec3::Y)]);
-        let (mesh, mut soft) = drag(Some((2.0, Falloff::Smooth)));
+        let (mesh, mut soft) = drag(Some(2.0));
         let places = soft.places(VertexMotion::Move(Vec3::Y), Limits::default());
         let beside = vertex(&mesh, 4, 2.0, 1.0);
         assert!((after(&mesh, &places, beside).y - mesh.position(beside).unwrap().y - 0.5).abs() < 1e-6);
@@ -336,7 +327,7 @@ mod tests {
     fn turning_scaling_and_sliding_do_what_they_say() {
         let mesh = Arc::new(straight_grid(3, 4));
         let tips: Vec<VertexId> = (0..16).map(|vertex| VertexId { layer: 4, vertex }).collect();
-        let mut drag = VertexDrag::new(&mesh, &tips, &[], None, |_| None);
+        let mut drag = VertexDrag::new(&mesh, &tips, [], |_| None);
         assert_eq!(drag.pivot, Vec3::new(1.5, 4.0, 1.5));
         let motion = VertexMotion::Rotate { axis: Vec3::Y, angle: std::f32::consts::FRAC_PI_2 };
         let turned = drag.places(motion, Limits::default());
@@ -349,7 +340,7 @@ mod tests {
         assert!(after(&mesh, &out, vertex(&mesh, 4, 0.0, 0.0)).distance(Vec3::new(0.0, 5.5, 0.0)) < 1e-5);
         let longer = drag.places(VertexMotion::Extend(2.0), Limits::default());
         assert!(after(&mesh, &longer, vertex(&mesh, 4, 3.0, 0.0)).distance(Vec3::new(3.0, 6.0, 0.0)) < 1e-5);
-        let mut root = VertexDrag::new(&mesh, &[VertexId { layer: 1, vertex: 0 }], &[], None, |_| None);
+        let mut root = VertexDrag::new(&mesh, &[VertexId { layer: 1, vertex: 0 }], [], |_| None);
         let low = root.places(VertexMotion::Slide(-9.0), Limits::default());
         assert!(low[0].1.y > 0.05, "a layer does not slide into the root: {}", low[0].1);
     }
@@ -367,7 +358,7 @@ mod tests {
             Some(VertexId { vertex: at as u32, ..id }).filter(|image| *image != id)
         };
         let wall: Vec<VertexId> = (1..4).map(|layer| vertex(&mesh, layer, -2.0, 1.0)).collect();
-        let mut drag = VertexDrag::new(&mesh, &wall, &[], None, image);
+        let mut drag = VertexDrag::new(&mesh, &wall, [], image);
         let limits = Limits { relaxes: true, ..Limits::default() };
         let places = drag.places(VertexMotion::Move(Vec3::new(-1.0, 0.0, 0.0)), limits);
         let right = vertex(&mesh, 2, 2.0, 1.0);
@@ -385,7 +376,7 @@ mod tests {
         }
         let mesh = Arc::new(mesh);
         let ids = [vertex(&mesh, 2, 1.0, 1.0), vertex(&mesh, 0, 1.0, 1.0)];
-        let mut drag = VertexDrag::new(&mesh, &ids, &[], None, |_| None);
+        let mut drag = VertexDrag::new(&mesh, &ids, [], |_| None);
         let limits = Limits { head: Some(&ball), clearance: 0.5, relaxes: false };
         for by in [Vec3::new(0.0, -3.0, 0.0), Vec3::new(2.0, -4.0, 1.0)] {
             let places = drag.places(VertexMotion::Move(by), limits);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use lorelei_core::edit::Edit;
 use lorelei_core::groom::{Layer, Source};
-use lorelei_core::hair_mesh::select::FaceId;
+use lorelei_core::hair_mesh::select::{FaceId, Links, soft_weights};
 use lorelei_core::hair_mesh::symmetry::{MIRROR_TOLERANCE_CM, MirrorPairs, Side};
 use lorelei_core::hair_mesh::{Along, FaceCut, HairMesh, MeshOp, OuterSurface, VertexDrag, VertexId, VertexMotion};
 use lorelei_core::history::Merge;
@@ -13,6 +13,7 @@ use lorelei_core::style::presets::presets;
 use super::commands::MeshCommand;
 use super::grab::{Grab, GrabKind};
 use super::selection::{Element, Join, MeshSelection, Picked};
+use super::settings::Settings;
 use super::{LastOp, MeshTool};
 use crate::window::commands::Command;
 use crate::window::desk::{Desk, Selection};
@@ -236,9 +237,16 @@ impl MeshTool {
     /// Take hold of what is selected.
     pub fn drag_of(&self, mesh: &Arc<HairMesh>, is_soft: bool) -> VertexDrag {
         let selected: Vec<VertexId> = self.selection.vertices.iter().copied().collect();
-        let soft = is_soft.then_some((self.settings.soft_radius, self.settings.soft_falloff));
+        // The inside follows by being placed anew.
+        let soft = is_soft.then(|| {
+            let Settings { soft_radius, soft_falloff, soft_reach, .. } = self.settings;
+            let links = Links::of(mesh);
+            let mut all = soft_weights(mesh, &links, &self.selection.vertices, soft_radius, soft_falloff, soft_reach);
+            all.retain(|id, _| self.cage.outer.vertices.binary_search(id).is_ok());
+            all
+        });
         let pairs = self.settings.is_symmetric.then(|| MirrorPairs::of(mesh, MIRROR_TOLERANCE_CM));
-        VertexDrag::new(mesh, &selected, &self.cage.outer.vertices, soft, |id| pairs.as_ref()?.vertex(id))
+        VertexDrag::new(mesh, &selected, soft.into_iter().flatten(), |id| pairs.as_ref()?.vertex(id))
     }
 
     pub fn grab(&mut self, mesh: &Arc<HairMesh>, kind: GrabKind) {

@@ -2,6 +2,7 @@
 
 use egui::{RichText, Ui};
 use lorelei_core::brush::Falloff;
+use lorelei_core::hair_mesh::select::Reach;
 use lorelei_core::hair_mesh::{MeshOp, Scheme, Weld};
 
 use super::commands::MeshCommand;
@@ -83,6 +84,13 @@ impl MeshTool {
             );
             let falloffs: Vec<(Falloff, &str)> = Falloff::ALL.into_iter().map(|f| (f, f.label())).collect();
             choice(ui, "Falloff", "How much less", &mut settings.soft_falloff, &falloffs);
+            choice(
+                ui,
+                "Reaches",
+                "Along the mesh, what is near but not connected stays: the other side of a parting",
+                &mut settings.soft_reach,
+                &[(Reach::Straight, "Through the air"), (Reach::Connected, "Along the mesh")],
+            );
         }
         section(ui, "Move");
         self.buttons(

@@ -1,6 +1,7 @@
 //! What the modelling tool's operations are done with; kept while the studio runs.
 
 use lorelei_core::brush::{Brush, Falloff};
+use lorelei_core::hair_mesh::select::Reach;
 use lorelei_core::hair_mesh::{Along, Scheme, Weld};
 
 use super::cage::Display;
@@ -45,6 +46,7 @@ pub struct Settings {
     pub is_soft: bool,
     pub soft_radius: f32,
     pub soft_falloff: Falloff,
+    pub soft_reach: Reach,
     pub is_symmetric: bool,
     /// Place the inside after every move.
     pub relaxes: bool,
@@ -75,6 +77,7 @@ impl Default for Settings {
             is_soft: false,
             soft_radius: 4.0,
             soft_falloff: Falloff::Smooth,
+            soft_reach: Reach::Straight,
             is_symmetric: false,
             relaxes: true,
             stays_out: true,
