@@ -10,6 +10,7 @@
 //! 2015) gives better spectra, but a sequence only for a count that is known from the start.
 
 use glam::{IVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::hair_mesh::HairMesh;
 use crate::hash::{combine, random};
@@ -21,6 +22,10 @@ const N_CANDIDATES: u32 = 10;
 const CANDIDATE_AREA: f64 = 40.0;
 /// A candidate this far from all others, as a share of the closest packing's spacing, is taken at once.
 const GOOD_ENOUGH: f32 = 0.78;
+/// Places that are looked for at once: one of this many of those there are.
+const BATCH_SHARE: usize = 128;
+/// Fewer are not worth another core.
+const FEWEST_A_CORE: usize = 16;
 
 /// Triangles that strands may grow on, to be sampled by area.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -115,34 +120,54 @@ impl RootSurface {
         let built_at = if roots.len() < 8 { 0 } else { 1_usize << roots.len().ilog2() };
         let mut near = Near::new(spacing_at(built_at), roots, 2 * built_at.max(8));
         while roots.len() < n {
-            let i = roots.len();
-            let spacing = spacing_at(i);
-            if is_rebuilt_at(i) {
-                near = Near::new(spacing, roots, 2 * i.max(8));
+            let first = roots.len();
+            if is_rebuilt_at(first) {
+                near = Near::new(spacing_at(first), roots, 2 * first.max(8));
             }
-            let good = (GOOD_ENOUGH * spacing).powi(2);
-            // The golden ratio's multiples visit every part of the area in turn, so that no part falls behind;
-            // candidates come from around there.
-            let turn = i as f64 * 0.618_033_988_749_895;
-            let width = (CANDIDATE_AREA / (i + 1) as f64).min(1.0);
-            let place = |candidate: u32| {
-                let seed = combine(combine(seed, i as u32), candidate);
-                self.sample((turn + width * f64::from(random(seed, 0))).fract(), seed)
-            };
-            let mut best = place(0);
-            let mut best_squared = near.distance_squared(best.position, -1.0);
-            let mut candidate = 1;
-            while best_squared < good && candidate < N_CANDIDATES {
-                let root = place(candidate);
-                let squared = near.distance_squared(root.position, best_squared);
-                if squared > best_squared {
-                    (best, best_squared) = (root, squared);
+            // Many places at once, each as if those of its batch were not there, and up to where `near` is rebuilt.
+            // One that another of its batch then turns out to crowd is found again; any other would have been found
+            // the same: what lies farther away than its nearest changes nothing.
+            let end = n.min(first + (first / BATCH_SHARE).max(1)).min((first + 1).next_power_of_two());
+            let found: Vec<(Root, f32)> = (first..end)
+                .into_par_iter()
+                .with_min_len(FEWEST_A_CORE)
+                .map(|i| self.best_of(&near, i, seed, (GOOD_ENOUGH * spacing_at(i)).powi(2)))
+                .collect();
+            let mut batch = Near::new(0.5 * near.cell, &[], 2 * found.len());
+            for (i, (mut root, squared)) in (first..end).zip(found) {
+                if batch.distance_squared(root.position, -1.0) < squared {
+                    root = self.best_of(&near, i, seed, (GOOD_ENOUGH * spacing_at(i)).powi(2)).0;
                 }
-                candidate += 1;
+                near.insert(root.position);
+                batch.insert(root.position);
+                roots.push(root);
             }
-            near.insert(best.position);
-            roots.push(best);
         }
+    }
+
+    /// Place `i` of the sequence of `seed`, and its squared distance to the nearest before it. A candidate as far
+    /// from them as `good` (squared) is taken at once.
+    fn best_of(&self, near: &Near, i: usize, seed: u32, good: f32) -> (Root, f32) {
+        // The golden ratio's multiples visit every part of the area in turn, so that no part falls behind;
+        // candidates come from around there.
+        let turn = i as f64 * 0.618_033_988_749_895;
+        let width = (CANDIDATE_AREA / (i + 1) as f64).min(1.0);
+        let place = |candidate: u32| {
+            let seed = combine(combine(seed, i as u32), candidate);
+            self.sample((turn + width * f64::from(random(seed, 0))).fract(), seed)
+        };
+        let mut best = place(0);
+        let mut best_squared = near.distance_squared(best.position, -1.0);
+        let mut candidate = 1;
+        while best_squared < good && candidate < N_CANDIDATES {
+            let root = place(candidate);
+            let squared = near.distance_squared(root.position, best_squared);
+            if squared > best_squared {
+                (best, best_squared) = (root, squared);
+            }
+            candidate += 1;
+        }
+        (best, best_squared)
     }
 }
 
@@ -272,6 +297,17 @@ mod tests {
         let after = select(&raised, n_after);
         assert!(n_after > 300 && before.iter().all(|id| after.contains(id)));
         assert_eq!(select(&painted, 200), before[..200]);
+    }
+
+    #[test]
+    fn places_found_many_at_once_are_those_found_one_by_one() {
+        let surface = RootSurface::of_hair_mesh(&straight_grid(3, 1));
+        let at_once = surface.sequence(6000, 5);
+        let mut one_by_one = at_once[..5000].to_vec();
+        for n in 5001..=5500 {
+            surface.extend(&mut one_by_one, n, 5);
+        }
+        assert_eq!(one_by_one, at_once[..5500]);
     }
 
     #[test]
