@@ -182,7 +182,8 @@ impl Command {
     }
 }
 
-/// The command whose shortcut was pressed; its key is then used up.
+/// The command of the first key press that is a shortcut; that press is then used up. Where frames are slow, one
+/// may hold several presses, even of one key: ask until there is none.
 ///
 /// Shortcuts with more modifiers go first: Ctrl+Shift+Z is not Ctrl+Z. `is_typing`: only those with Ctrl or
 /// a function key count, the rest belongs to the text. `tool`: the active one, whose keys go before all others.
@@ -195,17 +196,22 @@ pub fn pressed(ctx: &egui::Context, is_typing: bool, tool: Tool) -> Option<Comma
             shortcut.modifiers.shift as u8 + shortcut.modifiers.command as u8 + shortcut.modifiers.alt as u8;
         std::cmp::Reverse((n_modifiers, row.tool.is_some()))
     });
+    let is_text = |(shortcut, row): &(&KeyboardShortcut, &Row)| {
+        // Undo and redo inside a text field belong to the text.
+        !shortcut.modifiers.command && !is_function_key(shortcut.logical_key)
+            || matches!(row.command, Command::Undo | Command::Redo)
+    };
     ctx.input_mut(|input| {
-        all.into_iter().find_map(|(shortcut, row)| {
-            let command = row.command;
-            let is_text = !shortcut.modifiers.command && !is_function_key(shortcut.logical_key);
-            // Undo and redo inside a text field belong to the text.
-            let is_text = is_text || matches!(command, Command::Undo | Command::Redo);
-            if is_typing && is_text {
-                return None;
-            }
-            input.consume_shortcut(shortcut).then_some(command)
-        })
+        let command_of = |event: &egui::Event| {
+            let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { return None };
+            let is_pressed = |shortcut: &KeyboardShortcut| {
+                *key == shortcut.logical_key && modifiers.matches_logically(shortcut.modifiers)
+            };
+            all.iter().find(|found| is_pressed(found.0) && !(is_typing && is_text(found))).map(|(_, row)| row.command)
+        };
+        let (at, command) = input.events.iter().enumerate().find_map(|(at, event)| Some((at, command_of(event)?)))?;
+        input.events.remove(at);
+        Some(command)
     })
 }
 
@@ -239,6 +245,28 @@ mod tests {
                 assert!(shortcuts.insert(format!("{:?} {shortcut:?}", row.tool)), "{}: {shortcut:?}", row.label);
             }
         }
+    }
+
+    #[test]
+    fn every_press_of_a_slow_frame_is_a_command_in_the_order_of_the_presses() {
+        let press =
+            |modifiers, key| egui::Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+        let ctrl = Modifiers::COMMAND;
+        let redo = press(ctrl | Modifiers::SHIFT, Key::Z);
+        let undo = press(ctrl, Key::Z);
+        let all = |is_typing| {
+            let ctx = egui::Context::default();
+            let events = vec![undo.clone(), undo.clone(), redo.clone(), press(ctrl, Key::S), undo.clone()];
+            let mut commands = Vec::new();
+            let mut output = ctx.run_ui(egui::RawInput { events, ..Default::default() }, |_| {
+                commands.extend(std::iter::from_fn(|| pressed(&ctx, is_typing, Tool::Select)));
+            });
+            output.textures_delta.clear();
+            commands
+        };
+        use Command::{Redo, Save, Undo};
+        assert_eq!(all(false), [Undo, Undo, Redo, Save, Undo]);
+        assert_eq!(all(true), [Save]);
     }
 
     #[test]

@@ -704,7 +704,6 @@ impl eframe::App for Studio {
             || self.desk.renaming.is_some()
             || self.palette.is_some()
             || self.desk.tools.takes_keys();
-        // Two keys may come in one frame where frames are slow.
         while let Some(command) = commands::pressed(&ctx, is_typing, self.desk.tools.active) {
             self.desk.asked.push(command);
         }

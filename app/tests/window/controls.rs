@@ -11,19 +11,6 @@ fn layout_of(state: &Value) -> String {
     state["layout"].as_str().unwrap().to_owned()
 }
 
-/// Answer the studio's own file dialog with a path.
-fn choose(studio: &mut Studio<'_>, path: &str) {
-    studio.wait("the dialog", |state| state["dialog"] == true);
-    studio.click("dialog path");
-    studio.wait("the path field", |state| state["typing"] == true);
-    studio.key("ctrl+a");
-    studio.type_text(path);
-    studio.key("Return");
-    studio.wait("the path taken", |state| state["typing"] == false);
-    studio.click("dialog accept");
-    studio.wait("no dialog", |state| state["dialog"] == false);
-}
-
 #[test]
 fn combos_lights_head_and_numbers_follow_the_hand_and_can_be_undone() {
     let Some((_alone, folder)) = begin("controls") else { return };
@@ -34,20 +21,8 @@ fn combos_lights_head_and_numbers_follow_the_hand_and_can_be_undone() {
 
     // Shadowing by its combo in the look panel.
     studio.wait("the camera at rest", |state| state["still"] == true);
-    let mut is_in_sight = false;
-    for _ in 0..30 {
-        is_in_sight = studio.state()["marks"]["slot shadowing"].is_array();
-        let (x, y) = studio.place_of("slot scattering");
-        let [.., bottom] = numbers::<4>(&studio.state()["viewport"]);
-        is_in_sight &= studio.place_of("slot shadowing").1 < 0.55 * bottom;
-        if is_in_sight {
-            break;
-        }
-        studio.move_to((x, y.max(120.0)));
-        studio.xdotool(&["click", "5"]);
-        studio.rest();
-    }
-    assert!(is_in_sight, "the look panel scrolls to its shadowing");
+    let [_, top, _, bottom] = numbers::<4>(&studio.state()["viewport"]);
+    studio.scroll_to("slot primitive", "slot shadowing", [top + 60.0, top + 0.5 * (bottom - top)]);
     studio.click("slot shadowing");
     studio.click("choice shadowing=off");
     studio.wait("shadows off", |state| state["look"]["shadowing"] == "off");
@@ -167,7 +142,7 @@ fn files_go_in_and_out_and_panels_stay_where_they_were_put() {
     let back = io::read_strands(&out, Watch::default()).unwrap();
     assert_eq!(back.strands.n_strands(), 2000);
     studio.key("ctrl+i");
-    choose(&mut studio, out.to_str().unwrap());
+    studio.choose(out.to_str().unwrap());
     studio.wait("the import", |state| state["layers"].as_array().is_some_and(|layers| layers.len() == 2));
     studio.wait("its picture", |state| state["still"] == true);
     studio.screenshot("1_imported");
@@ -176,7 +151,7 @@ fn files_go_in_and_out_and_panels_stay_where_they_were_put() {
     let fake = folder.join("picture.hair");
     image::RgbaImage::new(4, 4).save_with_format(&fake, image::ImageFormat::Png).unwrap();
     studio.key("ctrl+i");
-    choose(&mut studio, fake.to_str().unwrap());
+    studio.choose(fake.to_str().unwrap());
     let refused = studio.wait("a notice", |state| state["notices"].to_string().contains("Could not open"));
     assert_eq!(refused["layers"].as_array().unwrap().len(), 2);
     studio.screenshot("2_refused");

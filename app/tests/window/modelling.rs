@@ -1,11 +1,13 @@
-//! From a bare head to a bob, by hand: root faces on the scalp, extruded, moved, pushed and relaxed; refused where the
-//! mesh would break; undone by half.
+//! From a bare head to a bob, by hand: root faces on the scalp, extruded, moved, pushed and relaxed, styled and
+//! thinned with the brush; refused where the mesh would break; undone by half. And hair meshes out to a file, in from
+//! one, and around guides.
 
 use lorelei_core::document;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::hair_mesh::HairMesh;
 use serde_json::Value;
 
+use crate::sample::small_groom;
 use crate::studio::{Display, Studio, begin, difference, numbers};
 
 fn n_done(state: &Value) -> u64 {
@@ -104,6 +106,24 @@ fn from_a_bare_head_to_a_bob() {
     studio.wait("the picture", |state| state["still"] == true);
     studio.screenshot("5_pushed");
 
+    // Styled from the layer's panel, and thinned on the crown by painting density.
+    studio.click("tab Properties");
+    studio.wait("the layer's panel", |state| state["marks"]["name Strands"].is_array());
+    studio.scroll_to("tab Properties", "style presets", [0.5 * (top + bottom), bottom - 8.0]);
+    let before = n_done(&studio.state());
+    studio.click("style presets");
+    studio.click("preset 0");
+    studio.wait("a style", |state| n_done(state) == before + 1 && state["still"] == true);
+    let (x, y) = (0.5 * (left + right), top + 0.3 * (bottom - top));
+    studio.move_to((x, y));
+    studio.key("shift+p");
+    studio.wait("the paint tool", |state| state["tool"]["name"] == "Paint" && state["still"] == true);
+    studio.drag(1, (x - 40.0, y), (x + 40.0, y));
+    studio.wait("a stroke of density", |state| n_done(state) == before + 2 && state["still"] == true);
+    studio.key("shift+p");
+    studio.wait("no tool", |state| state["tool"]["name"] == "Select" && state["still"] == true);
+    studio.screenshot("6_styled");
+
     // Half of it undone and done again; saved and checked.
     let all = n_done(&studio.state());
     for _ in 0..all / 2 {
@@ -111,7 +131,7 @@ fn from_a_bare_head_to_a_bob() {
         studio.key("ctrl+z");
         studio.wait("an undo", |state| n_done(state) == before - 1);
     }
-    studio.screenshot("6_half_undone");
+    studio.screenshot("7_half_undone");
     for _ in 0..all / 2 {
         let before = n_done(&studio.state());
         studio.key("ctrl+shift+z");
@@ -123,5 +143,52 @@ fn from_a_bare_head_to_a_bob() {
     let mesh = mesh_of(&groom);
     mesh.check().unwrap();
     assert_eq!(mesh.layers.len(), 6, "five extrusions");
+    assert!(!groom.layers[0].style.is_empty() && groom.layers[0].density().is_some());
+    studio.quit();
+}
+
+#[test]
+fn hair_meshes_come_from_guides_and_go_out_and_in() {
+    let Some((_alone, folder)) = begin("hair_mesh_files") else { return };
+    let file = folder.join("small.lorelei");
+    document::save(&small_groom(), &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let n_layers = |state: &Value| state["layers"].as_array().unwrap().len();
+    studio.wait("the first picture", |state| state["still"] == true);
+
+    studio.command("hair mesh around");
+    studio.wait("a hair mesh around the guides", |state| n_layers(state) == 2);
+    let out = folder.join("out.obj");
+    studio.command("export hair mesh");
+    studio.wait("the dialog", |state| state["marks"]["dialog accept"].is_array() && state["typing"] == true);
+    studio.key("ctrl+a");
+    studio.type_text("out.obj");
+    studio.key("Return");
+    studio.wait("the export", |state| state["notices"].to_string().contains("Exported"));
+    studio.command("import hair mesh");
+    studio.choose(out.to_str().unwrap());
+    studio.wait("the import", |state| n_layers(state) == 3);
+    studio.key("ctrl+s");
+    studio.wait("the save", |state| state["unsaved"] == false && state["jobs"] == 0);
+    let groom = document::open(&file).unwrap();
+    let mesh = |layer_idx: usize| match &groom.layers[layer_idx].source {
+        Source::HairMesh(mesh) => HairMesh::clone(mesh),
+        Source::Guides(_) | Source::Strands(_) => panic!("layer {layer_idx} is made of a hair mesh"),
+    };
+    let (fitted, back) = (mesh(1), mesh(2));
+    assert!(fitted.n_bundles() > 10 && fitted.layers.len() > 3);
+    assert!(fitted.has_same_faces(&back), "what comes back has the same faces");
+    let (low, high) = fitted.bounds().unwrap();
+    let (low_back, high_back) = back.bounds().unwrap();
+    assert!(low.distance(low_back) < 1e-3 && high.distance(high_back) < 1e-3);
+
+    // Each is one step.
+    studio.key("ctrl+z");
+    studio.wait("no import", |state| n_layers(state) == 2);
+    studio.key("ctrl+z");
+    studio.wait("no hair mesh", |state| n_layers(state) == 1);
+    studio.key("ctrl+s");
+    studio.wait("the save", |state| state["unsaved"] == false && state["jobs"] == 0);
     studio.quit();
 }

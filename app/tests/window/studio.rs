@@ -151,6 +151,46 @@ impl<'a> Studio<'a> {
         self.xdotool(&["click", "1"]);
     }
 
+    /// Turn the wheel over the panel of a control that is seen until another one lies between two heights, as a
+    /// person would who looks for it.
+    pub fn scroll_to(&mut self, seen: &str, wanted: &str, [top, bottom]: [f64; 2]) {
+        let (x, _) = self.place_of(seen);
+        for _ in 0..60 {
+            let at = self.state()["marks"][wanted].clone();
+            let y = at.is_array().then(|| numbers::<4>(&at)).map(|[_, top, _, bottom]| f64::midpoint(top, bottom));
+            if y.is_some_and(|y| (top..bottom).contains(&y)) {
+                return;
+            }
+            let is_above = y.is_some_and(|y| y < top);
+            self.move_to((x, f64::midpoint(top, bottom)));
+            self.xdotool(&["click", if is_above { "4" } else { "5" }]);
+            self.rest();
+        }
+        panic!("the panel does not scroll to {wanted}");
+    }
+
+    /// Run a command by its name, from the palette.
+    pub fn command(&mut self, name: &str) {
+        self.key("F3");
+        self.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
+        self.type_text(name);
+        self.key("Return");
+        self.wait("no palette", |state| state["palette"] == false);
+    }
+
+    /// Answer the studio's own file dialog with a path.
+    pub fn choose(&mut self, path: &str) {
+        self.wait("the dialog", |state| state["dialog"] == true);
+        self.click("dialog path");
+        self.wait("the path field", |state| state["typing"] == true);
+        self.key("ctrl+a");
+        self.type_text(path);
+        self.key("Return");
+        self.wait("the path taken", |state| state["typing"] == false);
+        self.click("dialog accept");
+        self.wait("no dialog", |state| state["dialog"] == false);
+    }
+
     pub fn focus(&mut self) {
         let start = Instant::now();
         while self.state()["focused"] != true {

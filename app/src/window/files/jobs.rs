@@ -84,6 +84,29 @@ pub enum Done {
     Cancelled,
 }
 
+impl Done {
+    /// Whether it is for the window to take over, so that a cancel counts however late it comes. What is written
+    /// is written.
+    fn can_be_left(&self) -> bool {
+        match self {
+            Self::Opened { .. }
+            | Self::Hair { .. }
+            | Self::Head { .. }
+            | Self::Levels { .. }
+            | Self::Level { .. }
+            | Self::MapLoaded { .. }
+            | Self::Played { .. }
+            | Self::Recovered { .. } => true,
+            Self::Saved { .. }
+            | Self::PictureSaved { .. }
+            | Self::MacroSaved { .. }
+            | Self::Exported { .. }
+            | Self::Failed { .. }
+            | Self::Cancelled => false,
+        }
+    }
+}
+
 /// A job that runs.
 pub struct Job {
     pub label: String,
@@ -115,7 +138,10 @@ impl Jobs {
                 their_progress.store(share.to_bits(), Ordering::Relaxed);
                 ctx.request_repaint();
             };
-            let done = work(Watch::new(&on_progress, &their_cancel));
+            let mut done = work(Watch::new(&on_progress, &their_cancel));
+            if their_cancel.load(Ordering::Relaxed) && done.can_be_left() {
+                done = Done::Cancelled;
+            }
             // The window may have been closed meanwhile: then nobody listens.
             let _ = sender.send(done);
             ctx.request_repaint();

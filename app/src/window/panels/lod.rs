@@ -12,6 +12,10 @@ use crate::window::desk::{Desk, merge_of};
 use crate::window::state_report::mark;
 use crate::window::theme;
 
+/// Sides of a level's picture, in points.
+const SMALLEST_PICTURE: f32 = 72.0;
+const LARGEST_PICTURE: f32 = 220.0;
+
 /// What the panel keeps between frames.
 pub struct LodPanel {
     /// Strands that a level is to be found for.
@@ -146,20 +150,29 @@ fn strip(ui: &mut Ui, desk: &mut Desk) {
     if desk.levels.strip.is_empty() {
         return;
     }
-    ui.horizontal_wrapped(|ui| {
-        for (drawn, texture) in &desk.levels.strip {
-            ui.vertical(|ui| {
-                ui.set_width(110.0);
-                ui.add(egui::Image::new(texture).fit_to_exact_size(vec2(110.0, 110.0)));
-                let text = format!(
-                    "{}: {} strands, {}",
-                    drawn.level,
-                    widgets::thousands(u64::from(drawn.n_strands)),
-                    widgets::milliseconds(drawn.ms)
-                );
-                ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
-            });
-        }
+    // All beside each other where they can still be told apart.
+    let n = desk.levels.strip.len() as f32;
+    let gap = ui.spacing().item_spacing.x;
+    let side = ((ui.available_width() - (n - 1.0) * gap) / n).clamp(SMALLEST_PICTURE, LARGEST_PICTURE);
+    egui::ScrollArea::horizontal().id_salt("lod strip").show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            for (drawn, texture) in &desk.levels.strip {
+                ui.vertical(|ui| {
+                    ui.set_width(side);
+                    let picture = ui.add(egui::Image::new(texture).fit_to_exact_size(vec2(side, side)));
+                    picture.on_hover_ui(|ui| {
+                        ui.add(egui::Image::new(texture).fit_to_original_size(1.0 / ui.pixels_per_point()));
+                    });
+                    let text = format!(
+                        "{}: {} strands\n{}",
+                        drawn.level,
+                        widgets::thousands(u64::from(drawn.n_strands)),
+                        widgets::milliseconds(drawn.ms)
+                    );
+                    ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
+                });
+            }
+        });
     });
 }
 

@@ -353,9 +353,11 @@ fn add_menu(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32) -> Option<Cha
 fn preset_menu(ui: &mut Ui, stack: &mut Vec<StyleOp>, n_strands: u32, asked: &mut Vec<Command>) -> Option<Change> {
     let mut change = None;
     let menu = ui.menu_button("Presets", |ui| {
-        for preset in presets() {
+        for (i, preset) in presets().into_iter().enumerate() {
             let help = format!("{}. Replaces the whole stack; undo brings it back.", preset.help);
-            if ui.button(&preset.name).on_hover_text(help).clicked() {
+            let button = ui.button(&preset.name).on_hover_text(help);
+            mark(ui.ctx(), || format!("preset {i}"), button.rect);
+            if button.clicked() {
                 *stack = preset.for_strands(n_strands);
                 change = Some(Change::once(format!("Style: {}", preset.name)));
             }
