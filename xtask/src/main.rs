@@ -24,7 +24,8 @@ Usage: cargo xtask COMMAND [-- ARGUMENTS]
   fuzz [SECONDS] [TARGET]...
                    libFuzzer over the file readers, SECONDS for each (60)
   bench            measure speed on this machine and print tables
-  bake [NAME]...   make the embedded head and hairstyles anew, or only the styles that are named
+  bake [NAME]...   make the embedded head and hairstyles anew, or only the styles that are named; after `check`,
+                   compare them with those that are there
   golden COMMAND   `compare`: render the golden images here and compare; `write`: make them anew
   setup            only install what the system lacks
 ";

@@ -124,7 +124,7 @@ impl Studio {
         Layer {
             n_strands: N_STRANDS - N_FLY_AWAYS - N_BABY_HAIRS,
             count: StrandCount::Total,
-            maps: density(Arc::new(self.chart.plain_density())),
+            maps: density(Arc::new(self.chart.combed_density())),
             seed: 1,
             vertices_per_strand: n_vertices,
             radius_um: 44.0,
@@ -155,6 +155,20 @@ impl Studio {
             ],
             ..Layer::new("Hair", Source::HairMesh(Arc::new(mesh)))
         }
+    }
+
+    /// A style of its hair, fly-aways that stray as `strays` says, and baby hairs of a length in centimetres.
+    fn style(
+        &self,
+        name: &str,
+        grid: &RootGrid,
+        main: Layer,
+        strays: Strays,
+        baby_hairs_cm: f32,
+    ) -> Result<Groom, String> {
+        let fly_aways = fly_aways(self, &main, strays);
+        let baby_hairs = self.baby_hairs(grid, &main, baby_hairs_cm)?;
+        Ok(Groom { name: name.to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
     }
 
     /// Short fine hairs along the hairline, lying along the flow.
@@ -232,8 +246,20 @@ fn part_at_shoulders(paths: &mut Vec<Vec<Vec3>>, faces: &[Vec<u32>]) -> Vec<Vec<
     parted
 }
 
+/// How fly-aways leave their locks: how far, in centimetres, and what else they do.
+struct Strays {
+    amplitude: f32,
+    extra: Vec<StyleOp>,
+}
+
+impl Strays {
+    fn by(amplitude: f32) -> Self {
+        Self { amplitude, extra: Vec::new() }
+    }
+}
+
 /// Hairs that left their locks: the main layer's paths, each its own way.
-fn fly_aways(studio: &Studio, main: &Layer, amplitude: f32, extra: Vec<StyleOp>) -> Layer {
+fn fly_aways(studio: &Studio, main: &Layer, Strays { amplitude, extra }: Strays) -> Layer {
     let mut style = vec![
         op(StyleKind::Length { variation: 0.45, strands_per_clump: 1.0 }),
         op(StyleKind::Frizz { amplitude: 0.22 * amplitude, wavelength: 5.0, strands_per_clump: 1.0 }),

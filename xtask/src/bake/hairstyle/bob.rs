@@ -7,7 +7,7 @@ use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::long::outwards;
 use super::roots::Layout;
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 8] = [0.05, 0.12, 0.23, 0.37, 0.52, 0.68, 0.84, 1.0];
@@ -96,7 +96,5 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         ramp: 0.6,
         ..op(StyleKind::Wave { amplitude: 0.5, wavelength: 5.6, strands_per_clump: 20.0 })
     };
-    let fly_aways = fly_aways(studio, &main, 1.5, vec![wave]);
-    let baby_hairs = studio.baby_hairs(&grid, &main, 2.6)?;
-    Ok(Groom { name: "Wavy bob".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Wavy bob", &grid, main, Strays { amplitude: 1.5, extra: vec![wave] }, 2.6)
 }

@@ -9,7 +9,7 @@ use lorelei_core::groom::{Groom, HairMaterial, Layer};
 use lorelei_core::style::StyleKind;
 
 use super::gather::{Comb, Section, Tress, evenly, gather, rope};
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const N_COLUMNS: usize = 27;
@@ -77,9 +77,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
     let third = N_COLUMNS / 3;
     let tresses: Vec<Tress<'_>> =
         courses.iter().enumerate().map(|(i, course)| Tress { columns: i * third..(i + 1) * third, course }).collect();
-    let comb = Comb { cover: 0.45, thickness: 0.6, n_layers: 7 };
     let axes = (frames[0].x, frames[0].y);
-    let mesh = gather(studio, &grid, N_COLUMNS, &comb, axes, N_SECTIONS, &tresses)?;
+    let mesh = gather(studio, &grid, N_COLUMNS, &Comb::default(), axes, N_SECTIONS, &tresses)?;
     let mut main = Layer {
         material: HairMaterial {
             eumelanin: 0.28,
@@ -91,7 +90,5 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         ..studio.gathered_layer(mesh, 104)
     };
     main.style.push(op(StyleKind::Length { variation: 0.05, strands_per_clump: 36.0 }));
-    let fly_aways = fly_aways(studio, &main, 0.5, Vec::new());
-    let baby_hairs = studio.baby_hairs(&grid, &main, 2.4)?;
-    Ok(Groom { name: "Braid".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Braid", &grid, main, Strays::by(0.5), 2.4)
 }

@@ -5,7 +5,7 @@ use glam::{Quat, Vec2, Vec3, vec3};
 use lorelei_core::groom::{Groom, HairMaterial, Layer};
 
 use super::gather::{Comb, Tress, gather};
-use super::{Studio, fly_aways, lerp};
+use super::{Strays, Studio, lerp};
 use crate::bake::sdf::smoothstep;
 
 const N_COLUMNS: usize = 28;
@@ -36,13 +36,10 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         column.lerp(over, smoothstep(0.08, 0.32, t))
     };
     let tress = Tress { columns: 0..N_COLUMNS, course: &course };
-    let comb = Comb { cover: 0.45, thickness: 0.6, n_layers: 7 };
-    let mesh = gather(studio, &grid, N_COLUMNS, &comb, (x, y), N_SECTIONS, &[tress])?;
+    let mesh = gather(studio, &grid, N_COLUMNS, &Comb::default(), (x, y), N_SECTIONS, &[tress])?;
     let main = Layer {
         material: HairMaterial { eumelanin: 1.4, pheomelanin: 0.5, colour_variation: 0.25, ..HairMaterial::default() },
         ..studio.gathered_layer(mesh, 56)
     };
-    let fly_aways = fly_aways(studio, &main, 0.5, Vec::new());
-    let baby_hairs = studio.baby_hairs(&grid, &main, 2.4)?;
-    Ok(Groom { name: "Bun".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Bun", &grid, main, Strays::by(0.5), 2.4)
 }

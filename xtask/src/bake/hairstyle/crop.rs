@@ -1,12 +1,14 @@
 //! A short crop: three fingers long on top, combed forward from the whorl, close at the sides and the nape.
 
+use std::sync::Arc;
+
 use glam::{Quat, vec3};
 use lorelei_core::groom::{Groom, HairMaterial, Layer};
 use lorelei_core::grow::Growth;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::roots::{Root, RootGrid};
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, density, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const N_COLUMNS: usize = 28;
@@ -26,7 +28,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             let front = smoothstep(-7.0, 1.0, root.position.z) * top;
             let flow = away + vec3(-0.45, 0.0, 0.9) * front + vec3(0.0, -0.35, -0.25) * (1.0 - top);
             let growth = Growth {
-                length: lerp(lerp(1.5, 2.6, smoothstep(-7.0, 3.0, root.position.y)), 5.0, top),
+                length: lerp(lerp(1.7, 2.8, smoothstep(-7.0, 3.0, root.position.y)), 5.4, top),
                 lift: lerp(0.16, 0.42, top),
                 fall: lerp(0.06, 0.14, top),
                 weight: 0.02,
@@ -38,7 +40,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         |_, path| studio.clear(path, 0.25),
     )?;
     let main = Layer {
-        radius_um: 44.0,
+        radius_um: 47.0,
         tip_radius: 0.2,
         style: vec![
             op(StyleKind::Length { variation: 0.16, strands_per_clump: 70.0 }),
@@ -62,14 +64,13 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             op(StyleKind::Deviate { share: 0.1, amplitude: 0.3, lift: 0.2, whole: 0.0 }),
         ],
         material: HairMaterial { eumelanin: 2.2, pheomelanin: 0.3, colour_variation: 0.2, ..HairMaterial::default() },
+        maps: density(Arc::new(studio.chart.whorl_density(crown))),
         ..studio.gathered_layer(mesh, 16)
     };
-    let fly_aways = fly_aways(studio, &main, 0.4, Vec::new());
     // The grid's flow is towards the crown; short hair lies away from it.
     let outwards = RootGrid {
         roots: grid.roots.iter().map(|root| Root { flow: -root.flow, ..*root }).collect(),
         faces: grid.faces.clone(),
     };
-    let baby_hairs = studio.baby_hairs(&outwards, &main, 1.4)?;
-    Ok(Groom { name: "Short crop".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Short crop", &outwards, main, Strays::by(0.4), 1.4)
 }

@@ -6,7 +6,7 @@ use lorelei_core::grow::Growth;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::roots::Layout;
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 6] = [0.08, 0.2, 0.36, 0.55, 0.77, 1.0];
@@ -79,9 +79,9 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         ..studio.main_layer(&layout, mesh)
     };
     let curl = op(StyleKind::Curl { radius: 0.4, pitch: 1.6, strands_per_clump: 1.0, loosen: 0.5 });
-    let fly_aways = fly_aways(studio, &main, 1.2, vec![curl]);
-    let baby_hairs = Layer { vertices_per_strand: 24, ..studio.baby_hairs(&grid, &main, 2.4)? };
-    let mut baby_hairs = baby_hairs;
+    let mut groom = studio.style("Tight curls", &grid, main, Strays { amplitude: 1.2, extra: vec![curl] }, 2.4)?;
+    let baby_hairs = &mut groom.layers[2];
+    baby_hairs.vertices_per_strand = 24;
     baby_hairs.style.push(op(StyleKind::Curl { radius: 0.16, pitch: 0.9, strands_per_clump: 12.0, loosen: 0.3 }));
-    Ok(Groom { name: "Tight curls".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    Ok(groom)
 }

@@ -12,12 +12,14 @@ use std::ops::Range;
 use glam::{Quat, Vec2, Vec3};
 use lorelei_core::hair_mesh::HairMesh;
 
-use super::roots::RootGrid;
-use super::{Studio, lerp};
+use super::Studio;
+use super::roots::{Root, RootGrid};
 use crate::bake::sdf::smoothstep;
 
 /// Length of a step along the scalp, in centimetres.
 const STEP: f32 = 0.3;
+/// Where hair begins to leave the scalp for the hand that holds it, in centimetres before it.
+const LEAVES: f32 = 4.0;
 
 /// How hair lies on its way to where it is held. Lengths in centimetres.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +30,14 @@ pub struct Comb {
     pub thickness: f32,
     /// Layers of the hair mesh up to there.
     pub n_layers: usize,
+}
+
+/// All hair of a head is thick where it comes together: combed flatter, more strands than have room would lie in front
+/// of each other, and a picture could not tell which of them is in front.
+impl Default for Comb {
+    fn default() -> Self {
+        Self { cover: 0.45, thickness: 1.2, n_layers: 7 }
+    }
 }
 
 /// Part of the columns and where they go. `course` gives the place in section `k`, from 0 where the hair is
@@ -117,10 +127,10 @@ pub fn gather(
                         let root = &grid.roots[root_idx];
                         let turn = (column - tress.columns.start) as f32 / tress.columns.len() as f32;
                         let angle = if is_whole { angle_of(column % n_columns) } else { TAU * turn };
-                        let rank = 0.04 + 0.96 * root.along;
-                        let place = rank * Vec2::from_angle(angle);
+                        let place = rank_of(root) * Vec2::from_angle(angle);
                         let held = (tress.course)(0, place);
-                        let mut path = evenly(&along_scalp(studio, root.position, held, rank, comb), comb.n_layers + 1);
+                        let centre = &grid.roots[(column % n_columns) * n_rows];
+                        let mut path = evenly(&along_scalp(studio, root, centre, held, comb), comb.n_layers + 1);
                         path.extend((1..n_sections).map(|k| (tress.course)(k, place)));
                         paths.push(path);
                         paths.len() as u32 - 1
@@ -140,36 +150,34 @@ pub fn gather(
     HairMesh::from_paths(&paths, &faces, &layers_at).map_err(|error| error.to_string())
 }
 
-/// The shortest way over the scalp to where hair is held, at a height that grows from the root.
-fn along_scalp(studio: &Studio, root: Vec3, held: Vec3, rank: f32, comb: &Comb) -> Vec<Vec3> {
-    let mut line = vec![root];
-    let mut p = root;
-    let far = root.distance(held);
-    let held_over = studio.body.sample(held);
-    let mut nearest = f32::MAX;
-    // Once around the head is far more than any way is long.
-    for k in 1..200 {
-        let left = p.distance(held);
-        // Where it comes no nearer it has arrived.
-        if left < 1.5 * STEP || (left < 3.0 && left > nearest - 0.1 * STEP) {
-            break;
-        }
-        nearest = left;
-        let out = studio.body.gradient(p).normalize_or(Vec3::Y);
-        let straight = (held - p) / left;
-        let flat = straight.reject_from_normalized(out).normalize_or(straight);
-        let leaving = smoothstep(3.0, 0.8, left);
-        p += STEP * flat.lerp(straight, leaving).normalize_or(straight);
-        let length = k as f32 * STEP;
-        let wanted = comb.cover * smoothstep(0.0, 2.5, length)
-            + comb.thickness * rank * smoothstep(0.0, 1.0, 1.0 - left / far.max(1.0));
-        let wanted = lerp(wanted, held_over, leaving);
-        for _ in 0..3 {
+/// The way along its column over the scalp to where hair is held, at a height that grows from the root.
+fn along_scalp(studio: &Studio, root: &Root, centre: &Root, held: Vec3, comb: &Comb) -> Vec<Vec3> {
+    let rank = rank_of(root);
+    let n = ((root.position.distance(centre.position) / STEP).ceil() as usize).max(1);
+    let way = studio.chart.way(root, centre, n);
+    let mut left = vec![held.distance(way[n])];
+    for pair in way.windows(2).rev() {
+        left.push(left[left.len() - 1] + pair[0].distance(pair[1]));
+    }
+    left.reverse();
+    let far = left[0];
+    let mut line = vec![root.position];
+    for k in 1..=n {
+        let mut p = way[k];
+        let share = 1.0 - left[k] / far;
+        let wanted =
+            comb.cover * smoothstep(0.0, 2.5, far - left[k]) + comb.thickness * rank * smoothstep(0.0, 1.0, share);
+        for _ in 0..4 {
             let off = wanted - studio.body.sample(p);
-            p += 0.6 * off * studio.body.gradient(p).normalize_or(out);
+            p += 0.8 * off * studio.body.gradient(p).normalize_or(root.normal);
         }
-        line.push(p);
+        line.push(p.lerp(held, smoothstep(LEAVES, 0.0, left[k])));
     }
     line.push(held);
     line
+}
+
+/// How far from the middle of the hand that holds it a root's hair lies, 0-1.
+fn rank_of(root: &Root) -> f32 {
+    0.04 + 0.96 * root.along
 }

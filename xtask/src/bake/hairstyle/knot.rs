@@ -7,7 +7,7 @@ use lorelei_core::groom::{Groom, HairMaterial, Layer};
 use lorelei_core::style::StyleKind;
 
 use super::gather::{Comb, Tress, evenly, gather, rope};
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const N_COLUMNS: usize = 28;
@@ -47,15 +47,12 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
     });
     let course = |k: usize, place: Vec2| coil[k].at(place);
     let tress = Tress { columns: 0..N_COLUMNS, course: &course };
-    let comb = Comb { cover: 0.45, thickness: 0.6, n_layers: 7 };
     let axes = (coil[0].x.normalize(), coil[0].y.normalize());
-    let mesh = gather(studio, &grid, N_COLUMNS, &comb, axes, N_SECTIONS, &[tress])?;
+    let mesh = gather(studio, &grid, N_COLUMNS, &Comb::default(), axes, N_SECTIONS, &[tress])?;
     let mut main = Layer {
         material: HairMaterial { eumelanin: 0.35, pheomelanin: 0.9, colour_variation: 0.25, ..HairMaterial::default() },
         ..studio.gathered_layer(mesh, 80)
     };
     main.style.push(op(StyleKind::Length { variation: 0.07, strands_per_clump: 36.0 }));
-    let fly_aways = fly_aways(studio, &main, 0.5, Vec::new());
-    let baby_hairs = studio.baby_hairs(&grid, &main, 2.4)?;
-    Ok(Groom { name: "Knot".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Knot", &grid, main, Strays::by(0.5), 2.4)
 }

@@ -6,7 +6,7 @@ use lorelei_core::grow::Growth;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::roots::Layout;
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const LAYERS_AT: [f32; 9] = [0.03, 0.08, 0.16, 0.27, 0.40, 0.54, 0.69, 0.84, 1.0];
@@ -93,9 +93,7 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
         },
         ..studio.main_layer(&layout, mesh)
     };
-    let fly_aways = fly_aways(studio, &main, 1.5, Vec::new());
-    let baby_hairs = studio.baby_hairs(&grid, &main, 3.2)?;
-    Ok(Groom { name: "Long, straight".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Long, straight", &grid, main, Strays::by(1.5), 3.2)
 }
 
 /// Unit vector out of the axis of head and neck.

@@ -5,7 +5,7 @@ use lorelei_core::groom::{Groom, HairMaterial, Layer};
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::gather::{Comb, Tress, evenly, gather, rope};
-use super::{Studio, fly_aways, lerp, op};
+use super::{Strays, Studio, lerp, op};
 use crate::bake::sdf::smoothstep;
 
 const N_COLUMNS: usize = 28;
@@ -35,9 +35,8 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
     });
     let course = |k: usize, place: Vec2| tail[k].at(place);
     let tress = Tress { columns: 0..N_COLUMNS, course: &course };
-    let comb = Comb { cover: 0.45, thickness: 0.6, n_layers: 7 };
     let axes = (tail[0].x.normalize(), tail[0].y.normalize());
-    let mesh = gather(studio, &grid, N_COLUMNS, &comb, axes, N_SECTIONS, &[tress])?;
+    let mesh = gather(studio, &grid, N_COLUMNS, &Comb::default(), axes, N_SECTIONS, &[tress])?;
     let mut main = Layer {
         material: HairMaterial {
             eumelanin: 0.7,
@@ -67,7 +66,5 @@ pub fn groom(studio: &Studio) -> Result<Groom, String> {
             ..op(StyleKind::Frizz { amplitude: 0.2, wavelength: 3.6, strands_per_clump: 36.0 })
         },
     ]);
-    let fly_aways = fly_aways(studio, &main, 0.8, Vec::new());
-    let baby_hairs = studio.baby_hairs(&grid, &main, 2.4)?;
-    Ok(Groom { name: "Ponytail".to_owned(), layers: vec![main, fly_aways, baby_hairs], ..Groom::default() })
+    studio.style("Ponytail", &grid, main, Strays::by(0.8), 2.4)
 }

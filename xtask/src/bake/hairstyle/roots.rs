@@ -21,6 +21,10 @@ const PARTING_OVERLAP: f32 = 0.4;
 /// How much denser hair grows along the parting and around the crown than elsewhere: there nothing lies over
 /// it but itself.
 const DENSER: f32 = 2.2;
+/// The same around the whorl of short hair, which covers less.
+const DENSEST: f32 = 3.2;
+/// How much denser hair that is combed back grows behind the hairline over the face.
+const DENSER_IN_FRONT: f32 = 1.8;
 
 /// The scalp's chart, its border in order and its scale.
 pub struct ScalpChart {
@@ -44,6 +48,8 @@ pub struct Root {
     pub back: f32,
     /// 0 at the parting to 1 at the hairline.
     pub along: f32,
+    /// Its place in the scalp's chart.
+    pub uv: Vec2,
 }
 
 /// Root faces with their corners.
@@ -200,14 +206,15 @@ impl ScalpChart {
                 let follow = (1.0 - back * n as f32 / 2.0).max(0.0);
                 straight.lerp(along_border(t) + (begin - front_uv) * (1.0 - t), follow)
             };
-            let places: Vec<(Vec3, Vec3)> =
-                (0..=layout.n_rows).map(|row| self.at(on_column(row as f32 / layout.n_rows as f32))).collect();
+            let uvs: Vec<Vec2> = (0..=layout.n_rows).map(|row| on_column(row as f32 / layout.n_rows as f32)).collect();
+            let places: Vec<(Vec3, Vec3)> = uvs.iter().map(|&uv| self.at(uv)).collect();
             for (row, &(position, normal)) in places.iter().enumerate() {
                 let (before, after) = (places[row.saturating_sub(1)].0, places[(row + 1).min(layout.n_rows)].0);
                 let flow = (after - before).reject_from_normalized(normal).normalize_or(Vec3::NEG_Y);
                 let whorl = layout.whorl * (-(position.distance(layout.crown) / layout.whorl_radius).powi(2)).exp();
                 let flow = glam::Quat::from_axis_angle(normal, whorl) * flow;
-                roots.push(Root { position, normal, flow, back, along: row as f32 / layout.n_rows as f32 });
+                let along = row as f32 / layout.n_rows as f32;
+                roots.push(Root { position, normal, flow, back, along, uv: uvs[row] });
             }
         }
         let rows = layout.n_rows as u32 + 1;
@@ -231,13 +238,13 @@ impl ScalpChart {
             let share = column as f32 / n_columns as f32;
             let end = self.border_at(share * total);
             let begin = centre_uv + 0.25 * self.scale * (end - centre_uv).normalize();
-            let places: Vec<(Vec3, Vec3)> =
-                (0..=n_rows).map(|row| self.at(begin.lerp(end, row as f32 / n_rows as f32))).collect();
+            let uvs: Vec<Vec2> = (0..=n_rows).map(|row| begin.lerp(end, row as f32 / n_rows as f32)).collect();
+            let places: Vec<(Vec3, Vec3)> = uvs.iter().map(|&uv| self.at(uv)).collect();
             for (row, &(position, normal)) in places.iter().enumerate() {
                 let (before, after) = (places[row.saturating_sub(1)].0, places[(row + 1).min(n_rows)].0);
                 let flow = (before - after).reject_from_normalized(normal).normalize_or(Vec3::Y);
                 let back = 1.0 - (2.0 * share - 1.0).abs();
-                roots.push(Root { position, normal, flow, back, along: row as f32 / n_rows as f32 });
+                roots.push(Root { position, normal, flow, back, along: row as f32 / n_rows as f32, uv: uvs[row] });
             }
         }
         let rows = n_rows as u32 + 1;
@@ -252,12 +259,27 @@ impl ScalpChart {
         RootGrid { roots, faces }
     }
 
-    /// Density of hair without a parting: full, thinning over an irregular centimetre to the hairline.
-    pub fn plain_density(&self) -> ScalpMap {
+    /// The way over the scalp from a root to another along a straight line of the chart, on the skin, as `n` segments.
+    /// Columns are such lines: they never spread on the way to where they meet. The shortest way through space does
+    /// that badly: seen from the forehead the nape is straight through the head, and hair would part there to go
+    /// around both ears.
+    pub fn way(&self, from: &Root, to: &Root, n: usize) -> Vec<Vec3> {
+        (0..=n).map(|k| self.at(from.uv.lerp(to.uv, k as f32 / n as f32)).0).collect()
+    }
+
+    /// Density of hair that is combed back: denser over the forehead and the temples, where nothing lies over it.
+    pub fn combed_density(&self) -> ScalpMap {
         self.map(|p, _, inside| {
-            let ragged = inside + 0.35 * noise(p * 1.1) + 0.25 * noise(p * 3.1);
-            let temple = 0.3 * smoothstep(2.2, 0.0, inside) * smoothstep(1.0, 4.0, p.z);
-            smoothstep(0.0, 0.8, ragged) * (1.0 - temple)
+            let bare = smoothstep(5.0, 1.5, inside) * smoothstep(-1.0, 2.5, p.z);
+            plain_density(p, inside) * (1.0 + (DENSER_IN_FRONT - 1.0) * bare) / DENSER_IN_FRONT
+        })
+    }
+
+    /// Plain density where hair grows all ways from a crown: densest there, where nothing lies over it.
+    pub fn whorl_density(&self, crown: Vec3) -> ScalpMap {
+        self.map(|p, _, inside| {
+            let bare = smoothstep(2.6, 0.8, p.distance(crown));
+            plain_density(p, inside) * (1.0 + (DENSEST - 1.0) * bare) / DENSEST
         })
     }
 
@@ -267,8 +289,7 @@ impl ScalpChart {
         let (front, crown) = (self.border_at(self.parting_begin(layout)), self.uv_near(layout.crown));
         let line = crown - front;
         self.map(|p, uv, inside| {
-            let ragged = inside + 0.35 * noise(p * 1.1) + 0.25 * noise(p * 3.1);
-            let edge = smoothstep(0.0, 1.0, ragged);
+            let edge = smoothstep(0.0, 1.0, ragged(p, inside));
             let temple = 0.35 * smoothstep(2.2, 0.0, inside) * smoothstep(1.0, 4.0, p.z);
             let nape = 0.4 * smoothstep(2.5, 0.0, inside) * smoothstep(-3.5, -6.5, p.y);
             let on_line = front + ((uv - front).dot(line) / line.length_squared()).clamp(0.0, 1.0) * line;
@@ -329,6 +350,18 @@ impl ScalpChart {
         });
         squared.fold(f32::MAX, f32::min).sqrt()
     }
+}
+
+/// Density without a parting at a place and its distance from the hairline in centimetres: full, thinning over an
+/// irregular centimetre to the hairline.
+fn plain_density(p: Vec3, inside: f32) -> f32 {
+    let temple = 0.3 * smoothstep(2.2, 0.0, inside) * smoothstep(1.0, 4.0, p.z);
+    smoothstep(0.0, 0.8, ragged(p, inside)) * (1.0 - temple)
+}
+
+/// The distance from the hairline as the hair has it, which grows out of no ruled line.
+fn ragged(p: Vec3, inside: f32) -> f32 {
+    inside + 0.35 * noise(p * 1.1) + 0.25 * noise(p * 3.1)
 }
 
 /// Smooth noise in about [-1, 1] over space, one feature a unit: sines in turned directions.
