@@ -68,6 +68,12 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         println!("  {} ms  {what}", Spread::of(times));
     }
 
+    println!("Work on a groom (lorelei measure grooming):");
+    let measured = Command::new(binary("release", "lorelei")).args(["measure", "grooming"]).status();
+    if !measured.is_ok_and(|status| status.success()) {
+        return Err("lorelei measure grooming failed".to_owned());
+    }
+
     println!("Import rate ({N_STRANDS} strands of {N_POINTS} points, lorelei info, whole process):");
     let source = out.join("bench.data");
     std::fs::write(&source, strands_file()).map_err(|why| format!("cannot write {}: {why}", source.display()))?;

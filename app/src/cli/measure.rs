@@ -21,6 +21,8 @@ use serde_json::{Value, json};
 
 use super::{CliError, print_line};
 
+mod paint;
+
 #[derive(Debug, clap::Args)]
 pub struct MeasureArguments {
     /// What to measure.
@@ -33,7 +35,7 @@ pub struct MeasureArguments {
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum What {
-    /// Relaxing, tracing, moving vertices, strokes and undo.
+    /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
 }
 
@@ -73,6 +75,7 @@ fn grooming() -> Result<Vec<Line>, CliError> {
     }
     trace(&mut lines)?;
     sculpt(&mut lines)?;
+    paint::paint(&mut lines)?;
     Ok(lines)
 }
 

@@ -433,14 +433,20 @@ fn a_painted_map_places_every_strand_where_it_is_painted() {
     assert_eq!(bind_layer(&empty, Some(&head)).n_strands(), 0);
 }
 
-#[test]
-fn every_strand_knows_what_the_maps_say_at_its_root() {
+/// A ball whose texture coordinates are its x and z, and a hair mesh that stands out of its top.
+fn ball_with_hair() -> (Head, HairMesh) {
     let mut ball = sphere(Vec3::ZERO, 8.0, 48);
     ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
     let head = Head::new("ball", ball);
     let mut mesh = straight_grid(4, 0);
     mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
     mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    (head, mesh)
+}
+
+#[test]
+fn every_strand_knows_what_the_maps_say_at_its_root() {
+    let (head, mesh) = ball_with_hair();
     let ramp = Arc::new(ScalpMap::from_fn(128, 128, |x, _| 2 * x as u8).unwrap());
     let mut layer = layer(mesh, 500);
     layer.maps = [MapKind::Length, MapKind::Width, MapKind::Density].map(|kind| (kind, Arc::clone(&ramp))).into();
@@ -503,50 +509,31 @@ fn guides_and_imported_strands_make_strands_too() {
     assert_eq!(bind_layer(&layer, Some(&no_triangles)).n_strands(), 60);
 }
 
-/// Prints what repainting the density of 100,000 strands takes; the limit is far above it, for slow machines.
 #[test]
 fn another_density_chooses_among_known_places() {
-    let mut ball = sphere(Vec3::ZERO, 8.0, 48);
-    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
-    let head = Head::new("ball", ball);
-    let mut mesh = straight_grid(4, 0);
-    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
-    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
-    let mut layer = layer(mesh, 100_000);
-    let start = std::time::Instant::now();
+    let (head, mesh) = ball_with_hair();
+    let mut layer = layer(mesh, 20_000);
     let first = bind_layer(&layer, Some(&head));
-    let anew = start.elapsed();
     let half = ScalpMap::from_fn(512, 512, |x, _| if x < 256 { 255 } else { 120 }).unwrap();
     layer.maps = Maps::from([(MapKind::Density, Arc::new(half))]);
-    let again = |known: &LayerBinding, layer: &Layer| {
-        let start = std::time::Instant::now();
-        let binding = rebind_layer(layer, Some(&head), Some(known), Watch::default()).unwrap();
-        (binding, start.elapsed())
-    };
-    let (second, longer) = again(&first, &layer);
-    let (third, chosen) = again(&second, &layer);
-    println!("bound anew {anew:.1?}; with another density {longer:.1?} and {chosen:.1?}");
+    let again = |known: &LayerBinding| rebind_layer(&layer, Some(&head), Some(known), Watch::default()).unwrap();
+    let second = again(&first);
+    let third = again(&second);
     assert_eq!(second.ids, bind_layer(&layer, Some(&head)).ids);
     assert_eq!(third, second);
     // Painting took strands away and moved none; more density brings them back.
     let before: std::collections::HashSet<u32> = first.ids.iter().copied().collect();
-    assert!(second.n_strands() > 60_000 && second.n_strands() < 90_000, "{}", second.n_strands());
+    assert!((12_000..18_000).contains(&second.n_strands()), "{}", second.n_strands());
     assert!(second.ids.iter().all(|id| before.contains(id)));
     // Where density says only where, it is others that stand for them; counted so, about as many.
-    let total = Layer { count: StrandCount::Total, n_strands: 50_000, ..layer.clone() };
+    let total = Layer { count: StrandCount::Total, n_strands: 10_000, ..layer.clone() };
     let counted = bind_layer(&counted_where_full(&total, Some(&head)), Some(&head)).n_strands();
-    assert!((counted as f32 / 50_000.0 - 1.0).abs() < 0.03, "{counted}");
-    assert!(chosen.as_secs_f32() < 5.0);
+    assert!((counted as f32 / 10_000.0 - 1.0).abs() < 0.03, "{counted}");
 }
 
 #[test]
 fn levels_of_detail_keep_the_covered_area_where_maps_are_painted_too() {
-    let mut ball = sphere(Vec3::ZERO, 8.0, 48);
-    ball.uvs = ball.positions.iter().map(|p| [0.5 + p.x / 16.0, 0.5 + p.z / 16.0]).collect();
-    let head = Head::new("ball", ball);
-    let mut mesh = straight_grid(4, 0);
-    mesh.move_vertices(0, |_, p| 8.0 * ((p - Vec3::new(2.0, 0.0, 2.0)) * 0.7 + Vec3::Y * 2.0).normalize());
-    mesh.extrude(&(0..16).collect::<Vec<_>>(), Weld::Neighbours, |v| 1.3 * v.position).unwrap();
+    let (head, mesh) = ball_with_hair();
     let mut layer = layer(mesh, 20_000);
     // Level 1 keeps half of what it has on one side.
     let half = ScalpMap::from_fn(64, 64, |x, _| if x < 32 { 255 } else { 128 }).unwrap();

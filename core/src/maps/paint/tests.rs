@@ -201,25 +201,3 @@ fn a_stroke_as_data_gives_the_same_tiles() {
     assert!(!changes.is_empty());
     assert_eq!(changes, data.replay(&mesh, &maps, &MapKind::Length));
 }
-
-/// Prints how long a dab takes at the size that is painted on; the limit is a frame's.
-#[test]
-fn a_dab_costs_what_it_touches() {
-    let mesh = two_charts();
-    let start = std::time::Instant::now();
-    let mut stroke = stroke_of(&mesh, 1024, &MapKind::Length, PaintMode::Paint, 0.2);
-    let n_texels = stroke.atlas.n_texels();
-    println!("atlas of {n_texels} texels: {:.1?}", start.elapsed());
-    let mut worst_secs = [0.0_f32; 2];
-    for (worst, radius) in worst_secs.iter_mut().zip([0.5, 4.0]) {
-        for i in 0..60 {
-            let turn = 0.02 * i as f32;
-            let start = std::time::Instant::now();
-            let changed = stroke.go_on(&dab(RADIUS * Vec3::new(turn.cos(), turn.sin(), 0.0), radius, 0.5));
-            *worst = worst.max(start.elapsed().as_secs_f32());
-            assert!(!changed.is_empty() || i > 0);
-        }
-        println!("radius {radius} cm: {:.3} ms a dab at worst", 1e3 * *worst);
-    }
-    assert!(worst_secs[1] < 0.25, "{worst_secs:?}");
-}
