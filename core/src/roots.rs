@@ -23,7 +23,7 @@ const CANDIDATE_AREA: f64 = 40.0;
 /// A candidate this far from all others, as a share of the closest packing's spacing, is taken at once.
 const GOOD_ENOUGH: f32 = 0.78;
 /// Places that are looked for at once: one of this many of those there are.
-const BATCH_SHARE: usize = 128;
+const BATCH_SHARE: usize = 32;
 /// Fewer are not worth another core.
 const FEWEST_A_CORE: usize = 16;
 

@@ -1,4 +1,4 @@
-//! The studio's window: one frame of it from top to bottom, and what every command does.
+//! The studio's window: one frame of it from top to bottom.
 
 mod commands;
 mod desk;
@@ -9,9 +9,11 @@ mod layout;
 mod macros;
 mod navigation;
 mod notices;
+mod outcomes;
 mod palette;
 mod panels;
 mod projection;
+mod questions;
 mod recovery;
 mod run_command;
 mod settings;
@@ -23,52 +25,25 @@ mod tools;
 mod top_bar;
 mod viewport;
 
-use std::path::Path;
-
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::{Groom, Source};
-use lorelei_core::history::Merge;
-use lorelei_core::lod::LodChoice;
-use lorelei_core::motion::HeadPose;
 use lorelei_core::script::Step;
 use lorelei_shaders::Gpu;
 
 pub use start::{StartOptions, open};
 
 use crate::stage::thread::{FrameRequest, StageGpu, StageThread};
-use commands::Command;
-use desk::{Desk, FrameTimes, Selection};
+use desk::{Desk, FrameTimes};
 use document::Document;
-use files::choose::{Choice, Chooser, Purpose};
-use files::jobs::{self, Done, Jobs};
-use lorelei_core::edit::Edit;
+use files::choose::Chooser;
+use files::jobs::{self, Jobs};
 use notices::{Notices, Severity};
 use palette::{Palette, PaletteAnswer};
-use recovery::{Base, Left, Recovery};
+use questions::{Next, Question};
+use recovery::{Left, Recovery};
 use settings::{SETTINGS_KEY, Settings};
 use start::Handover;
 use state_report::{StateReport, UiClock};
 use viewport::Viewport;
-
-/// A question that must be answered before something is lost. Nothing else waits for the answer.
-#[derive(Debug, Clone, PartialEq)]
-enum Question {
-    /// Save before what comes next?
-    Unsaved(Next),
-    /// Take what a crashed run left?
-    Recover,
-}
-
-/// What goes on once unsaved changes were saved or given up.
-#[derive(Debug, Clone, PartialEq)]
-enum Next {
-    Close,
-    New,
-    /// An embedded hairstyle as a new document.
-    Hairstyle(&'static str),
-    AskForFile,
-    Open(std::path::PathBuf),
-}
 
 /// With `--report-state`: lose the GPU, to test that it is survived.
 const LOSE_GPU: egui::KeyboardShortcut =
@@ -200,181 +175,6 @@ impl Studio {
         Ok(studio)
     }
 
-    /// Open the default groom on a thread: its strands are made when it opens.
-    fn start_default(&mut self, ctx: &egui::Context) {
-        self.jobs.start(ctx, "Opening the default groom", |_| Done::Opened {
-            groom: Box::new(lorelei_assets::default_groom()),
-            path: None,
-            source: std::path::PathBuf::new(),
-            style: lorelei_assets::hairstyle_names().first().copied(),
-            notes: Vec::new(),
-        });
-    }
-
-    fn start_hairstyle(&mut self, ctx: &egui::Context, key: &'static str) {
-        self.jobs.start(ctx, format!("Opening {key}"), move |_| match lorelei_assets::hairstyle(key) {
-            Some(groom) => Done::Opened {
-                groom: Box::new(groom),
-                path: None,
-                source: std::path::PathBuf::new(),
-                style: Some(key),
-                notes: Vec::new(),
-            },
-            None => Done::Failed { title: format!("Could not open {key}"), why: "it is not embedded".to_owned() },
-        });
-    }
-
-    fn start_opening(&mut self, ctx: &egui::Context, path: &Path, head: Option<std::path::PathBuf>) {
-        let path = path.to_owned();
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        self.jobs.start(ctx, format!("Opening {name}"), move |watch| jobs::open(&path, head.as_deref(), watch));
-    }
-
-    /// Show another document.
-    fn show_document(&mut self, groom: Groom, path: Option<std::path::PathBuf>, is_unsaved: bool) {
-        let document = Document::new(groom, path, is_unsaved);
-        let before = std::mem::replace(&mut self.desk.document, document);
-        // Two openings in a row: the first never was on screen.
-        if !before.is_none() && self.before.is_none() {
-            self.before = Some((before, self.desk.camera));
-        }
-        self.desk.measure();
-        self.desk.clamp_selection();
-        self.desk.selection =
-            if self.desk.document.groom.layers.is_empty() { Selection::Head } else { Selection::Layer(0) };
-        self.desk.playback.is_playing = false;
-        self.desk.playback.head_pose = HeadPose::default();
-        self.desk.playback.n_resets += 1;
-        self.desk.wants_frame = true;
-    }
-
-    /// A person gave up preparing `state`: back to what is on screen.
-    fn take_back(&mut self, state: (u64, u64)) {
-        if self.desk.document.state() != state {
-            return;
-        }
-        match self.before.take() {
-            Some((before, camera)) => {
-                self.desk.document = before;
-                self.desk.camera = camera;
-            }
-            None if !self.desk.document.history.can_undo() => {
-                self.desk.document = Document::default();
-                self.viewport.texture = None;
-                self.shown_texture = None;
-                let what_next = "File > New, Open or Open recent go on from here.";
-                self.desk.notices.push(Severity::Info, "Nothing was opened", what_next);
-            }
-            None => {
-                self.desk.document.undo();
-            }
-        }
-        self.desk.measure();
-        self.desk.clamp_selection();
-    }
-
-    /// Take over what jobs have done.
-    fn finish_jobs(&mut self, ctx: &egui::Context) {
-        for done in self.jobs.finished() {
-            match done {
-                Done::Opened { groom, path, source, style, notes } => {
-                    let is_default = source.as_os_str().is_empty();
-                    if !is_default {
-                        self.desk.settings.remember(&source);
-                    }
-                    self.note(&source, &notes);
-                    // An import is not in a document yet; the default groom is no work of anybody's.
-                    let is_unsaved = path.is_none() && !is_default;
-                    self.show_document(*groom, path, is_unsaved);
-                    if let Some(style) = style {
-                        self.desk.document.base = Some(Base::Style(style.to_owned()));
-                    }
-                }
-                Done::Hair { layers, source, notes } => {
-                    // What was made here comes from no file.
-                    if !source.as_os_str().is_empty() {
-                        self.desk.settings.remember(&source);
-                    }
-                    self.note(&source, &notes);
-                    self.add_layers(layers);
-                }
-                Done::Head { head, source, notes } => {
-                    self.desk.settings.remember(&source);
-                    self.note(&source, &notes);
-                    self.desk.document.edit("Import head", Edit::SetHead(Some(head)), Merge::New);
-                    self.desk.measure();
-                }
-                Done::Saved { state, path } => {
-                    self.desk.settings.remember(&path);
-                    self.desk.document.mark_saved(state, &path);
-                    if let Some(recovery) = &mut self.recovery {
-                        recovery.saved(&self.desk.document);
-                    }
-                    if let Some(next) = self.after_save.take() {
-                        self.go_on(ctx, next);
-                    }
-                }
-                Done::Levels { levels } => self.desk.levels.show(ctx, levels),
-                Done::Level { level, ms } => {
-                    let mut lod = self.desk.document.groom.lod.clone();
-                    lod.choice = LodChoice::Level(level);
-                    self.desk.document.edit("Level for a time", Edit::SetLod(Box::new(lod)), Merge::New);
-                    let text = format!("Level {level:.2} takes {ms:.1} ms");
-                    self.desk.notices.push(Severity::Info, "Level of detail", text);
-                }
-                Done::MapLoaded { kind, map } => tools::paint::take_map(&mut self.desk, kind, map),
-                Done::PictureSaved { path } => {
-                    self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
-                }
-                Done::Recovered { restored, replaces } => {
-                    let path = self.recovered_path.take().or(restored.path);
-                    self.show_document(restored.groom, path, true);
-                    self.desk.document.history = restored.history;
-                    self.desk.document.history.record();
-                    self.note(Path::new("Recovered"), &restored.notes);
-                    if let Some(recovery) = &mut self.recovery {
-                        recovery.take_over(&self.desk.document, replaces);
-                        recovery.left.clear();
-                    }
-                }
-                Done::MacroSaved { path } => {
-                    self.desk.notices.push(Severity::Info, "Macro saved", path.display().to_string());
-                }
-                Done::Played { name, edits } => self.played(&name, edits),
-                Done::Exported { path, notes } => {
-                    let name = path.display().to_string();
-                    self.desk.notices.push(Severity::Info, "Exported", name);
-                    self.note(&path, &notes);
-                }
-                Done::Failed { title, why } => {
-                    self.after_save = None;
-                    self.desk.notices.error(title, why);
-                }
-                Done::Cancelled => self.after_save = None,
-            }
-        }
-    }
-
-    fn note(&mut self, source: &Path, notes: &[String]) {
-        if !notes.is_empty() {
-            let name = source.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            self.desk.notices.push(Severity::Info, name, notes.join("\n"));
-        }
-    }
-
-    fn add_layers(&mut self, layers: Vec<lorelei_core::groom::Layer>) {
-        let n = self.desk.document.groom.layers.len();
-        let names: Vec<String> = layers.iter().map(|layer| layer.name.clone()).collect();
-        let edits = layers
-            .into_iter()
-            .enumerate()
-            .map(|(i, layer)| Edit::AddLayer { layer_idx: n + i, layer: Box::new(layer) })
-            .collect();
-        self.desk.document.edit(&format!("Add {}", names.join(", ")), Edit::Batch(edits), Merge::New);
-        self.desk.selection = Selection::Layer(n);
-        self.desk.measure();
-    }
-
     /// Show what the stage has drawn since the last frame.
     fn pick_up(&mut self, ctx: &egui::Context) {
         let Some(stage) = &self.stage else { return };
@@ -463,14 +263,6 @@ impl Studio {
         Some([at.x, at.y])
     }
 
-    fn open_question(&self) -> Option<&'static str> {
-        match self.question {
-            Some(Question::Unsaved(_)) => Some("unsaved"),
-            Some(Question::Recover) => Some("recover"),
-            None => None,
-        }
-    }
-
     /// The GPU is gone: end this window; [`start::open`] keeps the groom and opens another.
     fn hand_over(&mut self, ctx: &egui::Context) {
         lock(&self.handover).is_lost = true;
@@ -512,162 +304,6 @@ impl Studio {
                 self.desk.notices.push(Severity::Warning, "No recovery after a crash", why);
             }
         }
-    }
-
-    fn questions(&mut self, ctx: &egui::Context) {
-        let Some(question) = self.question.clone() else { return };
-        let (title, text, buttons): (_, String, [&str; 3]) = match &question {
-            Question::Unsaved(_) => (
-                "Save the changes?",
-                format!("{} has changes that are in no file.", self.desk.document.title()),
-                ["Save", "Do not save", "Cancel"],
-            ),
-            Question::Recover => (
-                "Recover unsaved work?",
-                "The studio ended without saving the last time. What was changed up to the last moments is here."
-                    .to_owned(),
-                ["Recover", "Throw away", "Later"],
-            ),
-        };
-        let mut pressed = None;
-        egui::Window::new(title)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(egui::Align2::CENTER_CENTER, [0.0, -60.0])
-            .order(egui::Order::Foreground)
-            .show(ctx, |ui| {
-                ui.set_width(360.0);
-                ui.add(egui::Label::new(text).wrap());
-                ui.add_space(10.0);
-                ui.horizontal(|ui| {
-                    for (i, label) in buttons.into_iter().enumerate() {
-                        let fill = if i == 0 { theme::ACCENT_DIM } else { theme::CONTROL };
-                        let text = egui::RichText::new(label).color(theme::TEXT_STRONG);
-                        let button = egui::Button::new(text).fill(fill).min_size(egui::vec2(90.0, 28.0));
-                        let button = ui.add(button);
-                        state_report::mark(ctx, || format!("answer {i}"), button.rect);
-                        if button.clicked() {
-                            pressed = Some(i);
-                        }
-                    }
-                });
-            });
-        if ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Escape)) {
-            pressed = Some(2);
-        }
-        let Some(pressed) = pressed else { return };
-        self.question = None;
-        match (question, pressed) {
-            (Question::Unsaved(next), 0) => {
-                self.after_save = Some(next);
-                self.save(ctx);
-            }
-            (Question::Unsaved(next), 1) => self.go_on(ctx, next),
-            (Question::Recover, 0) => {
-                if let Some(left) = self.recovery.as_ref().and_then(|recovery| recovery.left.first()).cloned() {
-                    self.recover(ctx, left);
-                }
-            }
-            (Question::Recover, 1) => {
-                if let Some(recovery) = &mut self.recovery {
-                    recovery.forget_left();
-                }
-            }
-            (Question::Unsaved(_) | Question::Recover, _) => {}
-        }
-    }
-
-    fn recover(&mut self, ctx: &egui::Context, left: Left) {
-        self.jobs.start(ctx, "Recovering", move |watch| match recovery::restore(&left, watch) {
-            Ok(restored) => Done::Recovered { restored: Box::new(restored), replaces: left.files },
-            Err(_) if watch.cancelled() => Done::Cancelled,
-            Err(why) => Done::Failed { title: "The unsaved work could not be read".to_owned(), why },
-        });
-    }
-
-    fn dropped_files(&mut self, ctx: &egui::Context) {
-        let dropped: Vec<_> = ctx.input(|input| input.raw.dropped_files.clone());
-        for file in dropped {
-            self.open_or_ask(ctx, file.path());
-        }
-    }
-
-    fn choosers(&mut self, ctx: &egui::Context) {
-        let Some((purpose, choice)) = self.chooser.as_mut().and_then(|chooser| chooser.ui(ctx)) else { return };
-        self.chooser = None;
-        match choice {
-            Choice::Cancelled => self.after_save = None,
-            Choice::Path(path) => self.chosen(ctx, purpose, path),
-        }
-    }
-
-    fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: std::path::PathBuf) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        self.desk.settings.folder = path.parent().map(Path::to_owned);
-        let groom = self.desk.document.groom.clone();
-        match purpose {
-            Purpose::Open => self.open_or_ask(ctx, &path),
-            Purpose::SaveAs => self.save_to(ctx, path),
-            Purpose::ImportHair => {
-                self.jobs.start(ctx, format!("Importing {name}"), move |watch| jobs::import_hair(&path, watch));
-            }
-            Purpose::ImportHead => {
-                self.jobs.start(ctx, format!("Importing {name}"), move |watch| jobs::import_head(&path, watch));
-            }
-            Purpose::ImportHairMesh => {
-                let head = groom.head;
-                self.jobs
-                    .start(ctx, format!("Importing {name}"), move |watch| jobs::import_hair_mesh(&path, head, watch));
-            }
-            Purpose::ExportHairMesh => {
-                let selected = self.selected_layer();
-                self.jobs
-                    .start(ctx, format!("Exporting {name}"), move |_| jobs::export_hair_mesh(&groom, selected, &path));
-            }
-            Purpose::Export => {
-                self.jobs.start(ctx, format!("Exporting {name}"), move |watch| jobs::export(&groom, &path, watch));
-            }
-            Purpose::LoadStyle | Purpose::SaveStyle => {
-                let done = panels::style::file(&mut self.desk, purpose == Purpose::SaveStyle, &path);
-                if let Err(why) = done {
-                    self.desk.notices.error(format!("{name} was not used as a style"), why.to_string());
-                }
-            }
-            Purpose::SavePicture => {
-                self.picture_path = Some(path);
-                self.n_pictures += 1;
-            }
-            Purpose::SaveMacro => {
-                let steps = std::mem::take(&mut self.recorded);
-                self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save_macro(&steps, &path));
-            }
-            Purpose::PlayMacro => {
-                self.jobs.start(ctx, format!("Playing {name}"), move |watch| jobs::play_macro(groom, &path, watch));
-            }
-            Purpose::LoadMap => {
-                let kind = self.desk.tools.paint.kind.clone();
-                self.jobs.start(ctx, format!("Reading {name}"), move |_| jobs::load_map(&path, kind));
-            }
-            Purpose::SaveMap => {
-                let Some((kind, map)) = tools::paint::map_to_save(&self.desk) else { return };
-                let picture_kind = self.desk.tools.paint.picture_kind(&path);
-                self.jobs
-                    .start(ctx, format!("Writing {name}"), move |_| jobs::save_map(&path, &map, &kind, picture_kind));
-            }
-        }
-    }
-
-    fn selected_layer(&self) -> Option<usize> {
-        match self.desk.selection {
-            Selection::Layer(layer_idx) => Some(layer_idx),
-            Selection::Head | Selection::Light(_) => None,
-        }
-    }
-
-    fn fit_hair_mesh(&mut self, ctx: &egui::Context) {
-        let groom = self.desk.document.groom.clone();
-        let selected = self.selected_layer();
-        self.jobs.start(ctx, "Fitting a hair mesh", move |_| jobs::fit_hair_mesh(&groom, selected));
     }
 
     fn palettes(&mut self, ctx: &egui::Context) {
@@ -783,50 +419,5 @@ impl Studio {
 
     fn grab(&mut self, is_turning: bool) {
         self.viewport.start_grab(&self.desk, is_turning);
-    }
-
-    fn choose(&mut self, ctx: &egui::Context, purpose: Purpose) {
-        let settings = &self.desk.settings;
-        let document = &self.desk.document;
-        let stem = document
-            .path
-            .as_deref()
-            .and_then(Path::file_stem)
-            .map_or_else(|| document.groom.name.clone(), |stem| stem.to_string_lossy().into_owned());
-        let stem = if purpose == Purpose::SaveMacro { "macro".to_owned() } else { stem };
-        let name = if purpose.is_save() {
-            purpose.with_extension(stem.replace(std::path::is_separator, "-").into()).display().to_string()
-        } else {
-            String::new()
-        };
-        let folder = settings.folder.as_deref();
-        self.chooser = Some(Chooser::new(ctx, purpose, settings.use_system_dialogs, folder, name));
-    }
-
-    fn is_enabled(&self, command: Command) -> bool {
-        let document = &self.desk.document;
-        match command {
-            Command::Undo => document.history.can_undo(),
-            Command::Redo => document.history.can_redo(),
-            Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
-                matches!(self.desk.selection, Selection::Layer(_))
-            }
-            Command::ClearHistory => document.history.labels().len() > 0,
-            Command::RecordMacro | Command::PlayMacro => !document.is_none(),
-            Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
-            Command::DetachLayer => match self.desk.selection {
-                Selection::Layer(layer_idx) => document.groom.layers_sharing(layer_idx).len() > 1,
-                Selection::Head | Selection::Light(_) => false,
-            },
-            // Imported strands are as many as they are.
-            Command::AddFlyAways | Command::AddFrizz => {
-                let layer = self.desk.selected_layer();
-                layer.is_some_and(|layer| !matches!(layer.source, Source::Strands(_)))
-            }
-            Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
-            Command::Paint(command) => tools::paint::commands::is_enabled(&self.desk, command),
-            Command::Sculpt(command) => tools::sculpt::commands::is_enabled(&self.desk, command),
-            _ => true,
-        }
     }
 }

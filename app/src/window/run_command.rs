@@ -1,14 +1,16 @@
-//! What every command does: one match over all of them.
+//! What every command does, and whether it can be done now: one match over all of them each.
 
 use std::path::Path;
 
 use lorelei_core::edit::Edit;
+use lorelei_core::groom::Source;
 use lorelei_core::history::Merge;
 use lorelei_core::io::Watch;
 use lorelei_core::look::Shadowing;
 use lorelei_core::motion::{HeadPose, Motion};
 
 use super::commands::Command;
+use super::desk::Selection;
 use super::files::choose::Purpose;
 use super::files::jobs;
 use super::tools::Tool;
@@ -16,6 +18,33 @@ use super::tools::paint::commands::PaintCommand;
 use super::{Next, Palette, Question, Studio, layout, panels, tools};
 
 impl Studio {
+    pub(super) fn is_enabled(&self, command: Command) -> bool {
+        let document = &self.desk.document;
+        match command {
+            Command::Undo => document.history.can_undo(),
+            Command::Redo => document.history.can_redo(),
+            Command::ToggleLayer | Command::DuplicateLayer | Command::RemoveLayer => {
+                matches!(self.desk.selection, Selection::Layer(_))
+            }
+            Command::ClearHistory => document.history.labels().len() > 0,
+            Command::RecordMacro | Command::PlayMacro => !document.is_none(),
+            Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
+            Command::DetachLayer => match self.desk.selection {
+                Selection::Layer(layer_idx) => document.groom.layers_sharing(layer_idx).len() > 1,
+                Selection::Head | Selection::Light(_) => false,
+            },
+            // Imported strands are as many as they are.
+            Command::AddFlyAways | Command::AddFrizz => {
+                let layer = self.desk.selected_layer();
+                layer.is_some_and(|layer| !matches!(layer.source, Source::Strands(_)))
+            }
+            Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
+            Command::Paint(command) => tools::paint::commands::is_enabled(&self.desk, command),
+            Command::Sculpt(command) => tools::sculpt::commands::is_enabled(&self.desk, command),
+            _ => true,
+        }
+    }
+
     pub(super) fn run(&mut self, ctx: &egui::Context, command: Command) {
         if !self.is_enabled(command) {
             return;
