@@ -419,9 +419,13 @@ fn any_tangent(normal: vec3<f32>) -> vec3<f32> {
     return normalize_or(across, vec3<f32>(1.0, 0.0, 0.0));
 }
 
-// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist.
+// One plus the cosine of a turn back, 154 degrees: about which axis a strand turns beyond it is rounding more and more.
+const TURNED_BACK: f32 = 0.1;
+
+// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist. Where the strand turns
+// back the rotation fades out, and the vector stays what it was as far as it lies across the strand.
 fn transport(right: vec3<f32>, before: vec3<f32>, to: vec3<f32>) -> vec3<f32> {
-    let carried = right - dot(right, to) / max(1.0 + dot(before, to), 1e-3) * (before + to);
+    let carried = right - dot(right, to) / max(1.0 + dot(before, to), TURNED_BACK) * (before + to);
     return normalize_or(carried - dot(carried, to) * to, right);
 }
 

@@ -335,8 +335,12 @@ fn any_tangent(normal: Vec3) -> Vec3 {
     across.normalize_or(Vec3::X)
 }
 
-/// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist.
+/// One plus the cosine of a turn back, 154 degrees: about which axis a strand turns beyond it is rounding more and more.
+const TURNED_BACK: f32 = 0.1;
+
+/// Carry a vector across a strand from one tangent to the next by the shortest rotation: no twist. Where the strand turns
+/// back the rotation fades out, and the vector stays what it was as far as it lies across the strand.
 fn transport(right: Vec3, from: Vec3, to: Vec3) -> Vec3 {
-    let carried = right - right.dot(to) / (1.0 + from.dot(to)).max(1e-3) * (from + to);
+    let carried = right - right.dot(to) / (1.0 + from.dot(to)).max(TURNED_BACK) * (from + to);
     (carried - carried.dot(to) * to).normalize_or(right)
 }
