@@ -17,7 +17,7 @@ use crate::clumps::{BundleReach, Clumps, Path};
 use crate::groom::{Head, Layer, Source, StrandCount};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
-use crate::hash::combine;
+use crate::hash::{combine, random};
 use crate::io::Watch;
 use crate::maps::uvs::scalp_uvs;
 use crate::maps::{MapKind, ScalpMap};
@@ -27,6 +27,8 @@ use crate::mesh_query::MeshQuery;
 use crate::point_grid::PointGrid;
 use crate::roots::{Root, RootSurface, key, select};
 use crate::sculpt::SculptShares;
+use crate::sculpt::planted::PLANTED;
+use crate::sculpt::planting::{Planting, PlantingField};
 use crate::strands::Strands;
 use crate::style::StyleOp;
 
@@ -352,18 +354,60 @@ impl<'a> Scalp<'a> {
     }
 }
 
-/// The roots of `n` strands as (id, root, place), thinned by painted density.
+/// How dense a layer's strands are over the scalp.
+struct Density<'a> {
+    /// Painted, 0-1.
+    map: Option<&'a ScalpMap>,
+    /// Above 1 where hair was planted.
+    planting: Option<(PlantingField<'a>, f32)>,
+}
+
+impl<'a> Density<'a> {
+    fn new(map: Option<&'a ScalpMap>, planting: Option<&'a Planting>) -> Self {
+        Self { map, planting: planting.map(|planting| (planting.field(), planting.most())) }
+    }
+
+    fn painted(&self, place: Option<&Place>) -> f32 {
+        place.map_or(0.0, |place| self.map.map_or(1.0, |map| map.sample(place.uv)))
+    }
+
+    /// Those of a sequence whose keys are below `limit`, planted ones among them, in the order of their keys.
+    /// `extend` makes the sequence longer.
+    fn alive(
+        &self,
+        known: &mut Arc<Places>,
+        limit: f64,
+        most_places: usize,
+        extend: impl Fn(&mut Arc<Places>, usize),
+    ) -> Vec<u32> {
+        let most = self.planting.as_ref().map_or(1.0, |(_, most)| *most);
+        // The map's largest value is 1, so no later place has a key below the limit.
+        let n_places = ((limit * f64::from(most)).ceil() as usize).min(most_places);
+        extend(known, n_places);
+        let density = |place: Option<&Place>| {
+            let planted = match (&self.planting, place) {
+                (Some((field, _)), Some(place)) => field.at(place.position),
+                _ => 1.0,
+            };
+            self.painted(place) * planted
+        };
+        let densities: Vec<f32> = known.places.par_iter().take(n_places).map(|place| density(place.as_ref())).collect();
+        let mut ids = select(&densities, densities.len());
+        ids.retain(|&id| key(id, densities[id as usize]) < limit);
+        ids.truncate(MOST_STRANDS as usize);
+        ids
+    }
+}
+
+/// The roots of `n` strands as (id, root, place), thinned by painted density; planted ones come on top.
 fn scatter(
     surface: &RootSurface,
     (n, count): (usize, StrandCount),
     seed: u32,
-    density: Option<&ScalpMap>,
+    density: &Density<'_>,
     known: Option<Arc<Places>>,
     place: impl Fn(&Root) -> Option<Place> + Sync,
 ) -> (Vec<(u32, Root, Place)>, Arc<Places>) {
-    let alive = |place: &Option<Place>| -> f32 {
-        place.as_ref().map_or(0.0, |place| density.map_or(1.0, |map| map.sample(place.uv)))
-    };
     let mut known = known.unwrap_or_default();
     let extend = |known: &mut Arc<Places>, n_places: usize| {
         if known.roots.len() < n_places {
@@ -376,9 +420,9 @@ fn scatter(
         let of = |id: u32| Some((id, known.roots[id as usize], known.places[id as usize]?));
         ids.into_iter().filter_map(of).collect()
     };
+    let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
     if count == StrandCount::WhereFull {
         // The beginning of the sequence that has `n` places where a strand can be.
-        let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
         let mut n_places = n;
         loop {
             extend(&mut known, n_places);
@@ -392,31 +436,33 @@ fn scatter(
             }
             n_places = (n_places * 3 / 2 + 64).min(most_places);
         }
-        let densities: Vec<f32> = known.places.par_iter().take(n_places).map(&alive).collect();
-        let mut ids = select(&densities, n);
-        ids.retain(|&id| key(id, densities[id as usize]) < n_places as f64);
+        let ids = density.alive(&mut known, n_places as f64, most_places, extend);
         return (chosen(&known, ids), known);
     }
     // How many places are alive tells how many are needed.
     let n_probed = 4096.min(MOST_PLACES_A_STRAND * n);
     extend(&mut known, n_probed);
-    let probe: Vec<f32> = known.places.iter().take(n_probed).map(&alive).collect();
+    let probe: Vec<f32> = known.places.iter().take(n_probed).map(|place| density.painted(place.as_ref())).collect();
     let mean = probe.iter().sum::<f32>() / probe.len().max(1) as f32;
     let most = probe.iter().copied().fold(0.0, f32::max);
     if most <= 0.0 {
         return (Vec::new(), known);
     }
     let mut n_places = if mean >= 1.0 { n } else { (1.05 * n as f32 * most / mean) as usize + 64 };
-    let most_places = (MOST_PLACES_A_STRAND * n).min(MOST_PLACES.max(2 * n));
     loop {
         n_places = n_places.min(most_places);
         extend(&mut known, n_places);
-        let densities: Vec<f32> = known.places[..n_places.min(known.places.len())].par_iter().map(&alive).collect();
+        let places = &known.places[..n_places.min(known.places.len())];
+        let densities: Vec<f32> = places.par_iter().map(|place| density.painted(place.as_ref())).collect();
         let ids = select(&densities, n);
         // A later place may come before the last one chosen as long as its id is below that one's key.
-        let largest_key = ids.last().map_or(0.0, |&id| key(id, densities[id as usize]) as f32);
+        let largest_key = ids.last().map_or(0.0, |&id| key(id, densities[id as usize]));
         let most = densities.iter().copied().fold(0.0, f32::max);
-        if (ids.len() == n && largest_key * most <= n_places as f32) || n_places >= most_places {
+        if (ids.len() == n && largest_key as f32 * most <= n_places as f32) || n_places >= most_places {
+            if density.planting.is_none() || ids.len() < n {
+                return (chosen(&known, ids), known);
+            }
+            let ids = density.alive(&mut known, largest_key.next_up(), most_places, extend);
             return (chosen(&known, ids), known);
         }
         n_places = n_places * 3 / 2 + 64;
@@ -448,9 +494,10 @@ fn bind_hair_mesh(
             Some(Place { position: root.position, normal: normal.normalize_or(Vec3::Y), uv: [0.0; 2] })
         })
     };
-    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some());
+    let planting = Planting::of(layer);
+    let density = Density::new(layer.density().map(|map| &**map).filter(|_| scalp.is_some()), planting.as_ref());
     let n_strands = layer.n_strands.min(MOST_STRANDS) as usize;
-    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, density, known, place);
+    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, &density, known, place);
     // In a face that is not convex mean values can be far below 0: such a strand would leave its lock.
     let weights: Vec<Vec<f32>> = scattered
         .par_iter()
@@ -511,7 +558,11 @@ fn bind_guides(
     if guides.n_guides() == 0 {
         return LayerBinding::with_capacity(guides, 0);
     }
-    let roots: Vec<Vec3> = (0..guides.n_guides()).map(|guide_idx| guides.guide(guide_idx)[0]).collect();
+    let all_roots: Vec<Vec3> = (0..guides.n_guides()).map(|guide_idx| guides.guide(guide_idx)[0]).collect();
+    // Planted guides come last, and change nothing about the strands of the others.
+    let n_own = (0..guides.n_guides()).take_while(|&guide_idx| strands.id(guide_idx) < PLANTED).count();
+    let n_own = if n_own == 0 { all_roots.len() } else { n_own };
+    let roots = all_roots[..n_own].to_vec();
     let (grid, spacing) = spaced_grid(&roots);
     let reach = 1.5 * spacing;
     let near_guide = |p: Vec3| grid.nearest::<1>(p).0[0].1 <= reach * reach;
@@ -543,14 +594,31 @@ fn bind_guides(
         };
         near_guide(root.position).then(|| scalp.at(root.face, root.barycentric, root.position))
     };
-    let density = layer.density().map(|map| &**map).filter(|_| scalp.is_some());
+    let planting = Planting::of(layer);
+    let density = Density::new(layer.density().map(|map| &**map).filter(|_| scalp.is_some()), planting.as_ref());
     let n_strands = layer.n_strands.min(MOST_STRANDS) as usize;
-    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, density, known, place);
+    let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, &density, known, place);
     let influences: Vec<[Influence; 3]> =
         scattered.par_iter().map(|(_, root, _)| three_guides(&guides, &roots, &grid, root.position)).collect();
-    let mut binding = LayerBinding::with_capacity(guides, scattered.len());
-    for ((id, _, place), influences) in scattered.iter().zip(influences) {
-        binding.push_influences(influences);
+    let mut strands: Vec<(f64, u32, Place, [Influence; 3])> = scattered
+        .into_iter()
+        .zip(influences)
+        .enumerate()
+        .map(|(order, ((id, _, place), influences))| (order as f64, id, place, influences))
+        .collect();
+    if n_own < all_roots.len() {
+        let a_guide = strands.len() as f32 / n_own as f32;
+        let tufts = Tufts { guides: &guides, roots: &all_roots, n_own, spacing, n_strands: a_guide, scalp };
+        let n_before = strands.len() as f64;
+        // Between the others in the order of detail: a share of the layer has a share of every tuft.
+        strands.extend(
+            tufts.strands(layer.seed).map(|(at, id, place, influences)| (at * n_before, id, place, influences)),
+        );
+        strands.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    }
+    let mut binding = LayerBinding::with_capacity(guides, strands.len());
+    for (_, id, place, influences) in &strands {
+        binding.push_influences(*influences);
         binding.push_id(*id, layer);
         binding.push_place(place, scalp);
     }
@@ -560,8 +628,70 @@ fn bind_guides(
     binding
 }
 
+/// The strands of planted guides: each guide has as many around it as the layer's own have.
+struct Tufts<'a> {
+    guides: &'a GuideSet,
+    /// Of all guides; those from `n_own` on are planted.
+    roots: &'a [Vec3],
+    n_own: usize,
+    /// Of the layer's own guides, centimetres.
+    spacing: f32,
+    /// Strands for each guide.
+    n_strands: f32,
+    scalp: Option<&'a Scalp<'a>>,
+}
+
+impl Tufts<'_> {
+    /// Places in the order of detail (0-1), ids, places and weights.
+    fn strands(&self, seed: u32) -> impl Iterator<Item = (f64, u32, Place, [Influence; 3])> {
+        let (grid, n_each) = (PointGrid::new(self.roots, self.spacing), self.n_strands.ceil().max(1.0) as u32);
+        let middle = self.roots.iter().sum::<Vec3>() / self.roots.len() as f32;
+        let tuft = |guide_idx: usize| {
+            let root = self.roots[guide_idx];
+            let project = |p: Vec3| match self.scalp {
+                Some(scalp) => scalp.project(p),
+                None => Some(Place { position: p, normal: (p - middle).normalize_or(Vec3::Y), uv: [0.0; 2] }),
+            };
+            let normal = project(root).map_or(Vec3::Y, |place| place.normal);
+            let (x, y) = normal.any_orthonormal_pair();
+            let of_tuft = combine(
+                combine(seed, PLANTED),
+                root.x.to_bits() ^ root.y.to_bits().rotate_left(11) ^ root.z.to_bits().rotate_left(22),
+            );
+            let strand = |i: u32| {
+                // Vogel 1979: even over a disc, every beginning of it too.
+                let radius = self.spacing * TUFT * ((i as f32 + 0.5) / n_each as f32).sqrt();
+                let (sin, cos) = (i as f32 * 2.399_963 + 6.3 * random(of_tuft, 0)).sin_cos();
+                let place = project(root + radius * (cos * x + sin * y))?;
+                let at = (f64::from(i) + f64::from(random(of_tuft, 1 + i))) / f64::from(n_each);
+                Some((
+                    at,
+                    combine(of_tuft, i) | PLANTED,
+                    place,
+                    three_guides(self.guides, self.roots, &grid, place.position),
+                ))
+            };
+            (0..n_each).filter_map(strand).collect::<Vec<_>>()
+        };
+        (self.n_own..self.roots.len()).flat_map(tuft).collect::<Vec<_>>().into_iter()
+    }
+}
+
+/// Radius of the disc that a guide has for itself, in spacings of guides: pi r^2 is the area of one in a grid.
+const TUFT: f32 = 0.62;
+
+/// Places spread over the scalp of a head, as (position, way out of it): the beginning, `n_places(area)` long, of a
+/// sequence that is the same for every length. Area in square centimetres.
+pub(crate) fn scalp_places(head: &Head, n_places: impl Fn(f32) -> usize, seed: u32) -> Vec<(Vec3, Vec3)> {
+    let Some(scalp) = Scalp::new(&head.mesh) else { return Vec::new() };
+    let surface = RootSurface::of_triangles(scalp.mesh, scalp.triangles.iter().copied());
+    let roots = surface.sequence(n_places(surface.area() as f32), seed);
+    let place = |root: &Root| scalp.at(root.face, root.barycentric, root.position);
+    roots.par_iter().map(place).map(|place| (place.position, place.normal)).collect()
+}
+
 /// A grid over points and their mean spacing in centimetres.
-fn spaced_grid(points: &[Vec3]) -> (PointGrid<'_>, f32) {
+pub(crate) fn spaced_grid(points: &[Vec3]) -> (PointGrid<'_>, f32) {
     let first = points.first().copied().unwrap_or_default();
     let (lo, hi) = points.iter().fold((first, first), |(lo, hi), &p| (lo.min(p), hi.max(p)));
     let size = (hi - lo).max_element();

@@ -56,6 +56,8 @@ pub struct History {
     max_bytes: usize,
     /// What was done since it was last asked; `None`: nobody asks.
     records: Option<Vec<Record>>,
+    /// Where in `records` those begin that are held back.
+    held_from: Option<usize>,
 }
 
 impl Default for History {
@@ -69,6 +71,7 @@ impl Default for History {
             n_bytes: 0,
             max_bytes: MAX_BYTES,
             records: None,
+            held_from: None,
         }
     }
 }
@@ -107,9 +110,36 @@ impl History {
         self.records.get_or_insert_default();
     }
 
-    /// What was done since this was last called; nothing where [`History::record`] never was.
+    /// What was done since this was last called, but for what is held back; nothing where [`History::record`] never
+    /// was.
     pub fn take_records(&mut self) -> Vec<Record> {
-        self.records.as_mut().map(std::mem::take).unwrap_or_default()
+        let Some(records) = &mut self.records else { return Vec::new() };
+        let n_taken = self.held_from.map_or(records.len(), |from| from.min(records.len()));
+        if self.held_from.is_some() {
+            self.held_from = Some(0);
+        }
+        records.drain(..n_taken).collect()
+    }
+
+    /// Hold back what is written down from here on: it is the beginning of something that has a better name once it
+    /// is complete ([`History::release`]), as the guides that a stroke moved are the stroke.
+    pub fn hold(&mut self) {
+        self.end_drag();
+        self.held_from = self.records.as_ref().map(Vec::len);
+    }
+
+    /// Write down what was held back: as `edit`, which comes to the same, where it is given and what was held back is
+    /// one step and all that was done meanwhile.
+    pub fn release(&mut self, edit: Option<Edit>) {
+        let Some(from) = self.held_from.take() else { return };
+        let (Some(records), Some(edit)) = (&mut self.records, edit) else { return };
+        let held = records.get(from..).unwrap_or_default();
+        let is_one_step = held.first().is_some_and(|first| first.kind == RecordKind::Did)
+            && held[1..].iter().all(|record| record.kind == RecordKind::Joined);
+        if is_one_step {
+            records.truncate(from + 1);
+            records[from].edit = edit;
+        }
     }
 
     /// Do what a record says, so that groom and history become what they were when it was written. Steps
@@ -344,6 +374,36 @@ mod tests {
                 prop_assert_eq!(&groom, &grooms[history.n_done()]);
             }
         }
+    }
+
+    #[test]
+    fn what_is_held_back_is_written_down_by_its_better_name_only_where_that_is_all_of_it() {
+        let (mut groom, mut history) = (small_groom(), History::default());
+        history.record();
+        history.apply(&mut groom, "before", exposure(0.5), Merge::New).unwrap();
+        history.hold();
+        let merge = Merge::Stroke(7);
+        history.apply(&mut groom, "stroke", exposure(1.0), merge).unwrap();
+        assert_eq!(history.take_records().len(), 1, "only what was before");
+        history.apply(&mut groom, "stroke", Edit::SetName("a".to_owned()), merge).unwrap();
+        assert!(history.take_records().is_empty());
+        let better = Edit::Batch(vec![exposure(1.0), Edit::SetName("a".to_owned())]);
+        history.release(Some(better.clone()));
+        let records = history.take_records();
+        assert_eq!(records.iter().map(|record| &record.edit).collect::<Vec<_>>(), [&better]);
+        // Another step came between: all of it is written down as it was.
+        history.hold();
+        history.apply(&mut groom, "stroke", exposure(2.0), Merge::Stroke(8)).unwrap();
+        history.apply(&mut groom, "import", Edit::SetName("b".to_owned()), Merge::New).unwrap();
+        history.release(Some(better.clone()));
+        assert_eq!(history.take_records().len(), 2);
+        // Given up: what was done and undone.
+        history.hold();
+        history.apply(&mut groom, "stroke", exposure(3.0), Merge::Stroke(9)).unwrap();
+        history.take_back(&mut groom);
+        history.release(None);
+        let kinds: Vec<_> = history.take_records().iter().map(|record| record.kind).collect();
+        assert_eq!(kinds, [RecordKind::Did, RecordKind::Undid]);
     }
 
     /// What can happen to a document.

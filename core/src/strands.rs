@@ -75,6 +75,35 @@ impl Strands {
         self.ids.get(strand_idx).copied().unwrap_or(strand_idx as u32)
     }
 
+    /// Only the strands of which `is_kept` says so, in their order.
+    pub fn retain(&mut self, is_kept: impl Fn(usize) -> bool) {
+        let kept: Vec<usize> = (0..self.n_strands()).filter(|&strand_idx| is_kept(strand_idx)).collect();
+        if kept.len() == self.n_strands() {
+            return;
+        }
+        let ranges: Vec<_> = kept.iter().map(|&strand_idx| self.range(strand_idx)).collect();
+        fn of_points<T: Copy>(values: &mut Vec<T>, ranges: &[std::ops::Range<usize>]) {
+            if !values.is_empty() {
+                *values = ranges.iter().flat_map(|range| values[range.clone()].iter().copied()).collect();
+            }
+        }
+        fn of_strands<T: Copy>(values: &mut Vec<T>, kept: &[usize]) {
+            if !values.is_empty() {
+                *values = kept.iter().map(|&strand_idx| values[strand_idx]).collect();
+            }
+        }
+        of_points(&mut self.points, &ranges);
+        of_points(&mut self.radii_um, &ranges);
+        of_points(&mut self.colours, &ranges);
+        of_points(&mut self.opacities, &ranges);
+        of_strands(&mut self.ids, &kept);
+        of_strands(&mut self.root_uvs, &kept);
+        self.offsets.truncate(1);
+        for range in &ranges {
+            self.offsets.push(self.offsets[self.offsets.len() - 1] + range.len() as u32);
+        }
+    }
+
     /// Smallest box around all points as (min, max); `None` where there are no points.
     pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let first = *self.points.first()?;

@@ -15,6 +15,7 @@ use lorelei_core::groom::{Groom, Head, Layer, Source};
 use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::Watch;
 use lorelei_core::maps::MapKind;
+use lorelei_core::sculpt::planting::Planting;
 
 /// A groom's layers bound to their guides and head.
 #[derive(Debug, Clone, Default)]
@@ -237,7 +238,8 @@ fn has_same_places(a: &Layer, b: &Layer) -> bool {
         (None, None) => true,
         (Some(_), None) | (None, Some(_)) => false,
     };
-    same_density && (a.n_strands, a.count, a.seed) == (b.n_strands, b.count, b.seed)
+    let same_planting = a.has_same_sculpt(b) || Planting::of(a) == Planting::of(b);
+    same_density && same_planting && (a.n_strands, a.count, a.seed) == (b.n_strands, b.count, b.seed)
 }
 
 #[cfg(test)]

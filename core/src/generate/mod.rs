@@ -16,7 +16,7 @@ use crate::distance_field::DistanceField;
 use crate::groom::Layer;
 use crate::hash::random;
 use crate::lod::LodBlend;
-use crate::sculpt::{Composite, compose::Composed};
+use crate::sculpt::{Composite, compose::Composed, near::Share};
 use crate::strands::Strands;
 use crate::style::StyleKind;
 use plan::Plan;
@@ -128,6 +128,21 @@ pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3],
         root_uvs: binding.root_uvs.get(..n_drawn).unwrap_or_default().to_vec(),
         ..Strands::default()
     }
+}
+
+/// Which of a layer's strands brushes took away: [`generate`] leaves a point of each at its root, so that strands
+/// keep their places. One a strand that was bound.
+pub fn deleted(binding: &LayerBinding, layer: &Layer) -> Vec<bool> {
+    let composite = Composite::of(layer);
+    if composite.guides.is_empty() || !binding.sculpt.are_of(&layer.sculpt.roots, binding.n_strands()) {
+        return vec![false; binding.n_strands()];
+    }
+    let of_strand = |(strand_idx, share): (usize, &Share)| {
+        let (seed, normal) = (binding.seeds[strand_idx], binding.root_normals[strand_idx]);
+        let sculpted = Sculpted::new(&composite.guides, *share, seed, normal, &Affine3A::IDENTITY);
+        sculpted.is_some_and(|sculpted| sculpted.is_deleted)
+    };
+    binding.sculpt.shares.iter().enumerate().map(of_strand).collect()
 }
 
 /// Radius at parameter `t` as a share of the root's.

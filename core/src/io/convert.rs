@@ -1,6 +1,9 @@
 //! What `lorelei convert` does: a strand file or a document in, another format out.
 
 use std::path::Path;
+use std::sync::Arc;
+
+use glam::Vec3;
 
 use super::detect::{Contents, Format, detect};
 use super::error::{ReadError, WriteError};
@@ -11,8 +14,9 @@ use super::write::{WriteOptions, write_strands};
 use crate::binding::{LayerBinding, bind_layer, bind_layer_watched};
 use crate::distance_field::DistanceField;
 use crate::document::{self, DocumentError};
-use crate::generate::{Pose, generate, taper};
-use crate::groom::{Groom, Layer, Source};
+use crate::generate::{Pose, deleted, generate, taper};
+use crate::groom::{Groom, Head, Layer, Source};
+use crate::maps::MapKind;
 use crate::strands::Strands;
 
 /// Which curves of a document are written.
@@ -126,20 +130,23 @@ pub fn strands_of_watched(groom: &Groom, what: What, watch: Watch<'_>) -> Option
         let n_layers = visible.len() as f32;
         let on_progress = |share: f32| watch.progress((layer_idx as f32 + 0.6 * share) / n_layers);
         let of_layer = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
+        let is_sculpted = layer.sculpt.is_active();
         let strands = match (&layer.source, what) {
             // As they came, with all their points: nothing is made of them.
-            (Source::Strands(strands), What::Guides) => with_widths((**strands).clone(), layer),
-            (Source::Strands(strands), What::Strands) if layer.style.iter().all(|op| !op.on) => {
+            (Source::Strands(strands), What::Guides) if !is_sculpted => with_widths((**strands).clone(), layer),
+            (Source::Strands(strands), What::Strands) if !is_sculpted && layer.style.iter().all(|op| !op.on) => {
                 with_widths((**strands).clone(), layer)
             }
-            (Source::Guides(guides), What::Guides) => with_widths((**guides).clone(), layer),
-            (Source::HairMesh(_), What::Guides) => {
+            (Source::Guides(guides), What::Guides) if !is_sculpted => with_widths((**guides).clone(), layer),
+            (Source::HairMesh(_), What::Guides) if !is_sculpted => {
                 with_widths(guides_of(&bind_layer(layer, groom.head.as_ref())), layer)
             }
+            (_, What::Guides) => {
+                let guides = guides_as_strands(layer, groom.head.as_ref());
+                made(&guides, &bind_layer_watched(&guides, groom.head.as_ref(), of_layer)?, field.as_ref())
+            }
             (_, What::Strands) => {
-                let binding = bind_layer_watched(layer, groom.head.as_ref(), of_layer)?;
-                let pose = Pose { field: field.as_ref(), ..Pose::default() };
-                generate(&binding, layer, &binding.guides.positions, &pose)
+                made(layer, &bind_layer_watched(layer, groom.head.as_ref(), of_layer)?, field.as_ref())
             }
         };
         append(&mut all, strands);
@@ -152,6 +159,35 @@ pub fn strands_of_watched(groom: &Groom, what: What, watch: Watch<'_>) -> Option
 
 /// Nodes on the longest side of the distance field, as where strands are drawn.
 const FIELD_NODES: u32 = 64;
+
+/// A layer's strands as they are drawn, without those that brushes took away.
+fn made(layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Strands {
+    let pose = Pose { field, ..Pose::default() };
+    let mut strands = generate(binding, layer, &binding.guides.positions, &pose);
+    let deleted = deleted(binding, layer);
+    strands.retain(|strand_idx| !deleted[strand_idx]);
+    strands
+}
+
+/// A layer whose strands are the guides of another, to be brushed as that one was and not styled.
+fn guides_as_strands(layer: &Layer, head: Option<&Head>) -> Layer {
+    let guides = match &layer.source {
+        Source::Guides(guides) | Source::Strands(guides) => Arc::clone(guides),
+        Source::HairMesh(_) => Arc::new(guides_of(&bind_layer(layer, head))),
+    };
+    let n_points = guides.iter().map(<[Vec3]>::len).max().unwrap_or(2);
+    let mut maps = layer.maps.clone();
+    // Painted lengths and widths are the strands'.
+    maps.retain(|kind, _| !matches!(kind, MapKind::Length | MapKind::Width));
+    Layer {
+        n_strands: guides.n_strands() as u32,
+        vertices_per_strand: n_points as u32,
+        source: Source::Strands(guides),
+        style: Vec::new(),
+        maps,
+        ..layer.clone()
+    }
+}
 
 fn guides_of(binding: &LayerBinding) -> Strands {
     let mut strands = Strands::default();

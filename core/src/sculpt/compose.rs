@@ -1,6 +1,7 @@
 //! What all sculpt layers together do to every guide: what strands are made from, here and on the GPU.
 //!
-//! Offsets add up by the layers' weights, lengths multiply, the shortest cut and the thinnest hair win. The
+//! Offsets add up by the layers' weights, lengths multiply, the shortest cut and the thinnest hair win, and where
+//! none is thinned, the densest. The
 //! result is as plain as the GPU reads it: [`K`] times four numbers a guide, whose fourth numbers are the
 //! guide's length, cut and keep.
 
@@ -69,7 +70,8 @@ fn add(all: &mut SculptGuide, guide: &SculptGuide, share: f32) {
     let at = |value: f32| 1.0 + share * (value - 1.0);
     all.length = (all.length * at(guide.length)).max(0.0);
     all.cut = all.cut.min(at(guide.cut)).max(0.0);
-    all.keep = all.keep.min(at(guide.keep)).max(0.0);
+    let keep = at(guide.keep).max(0.0);
+    all.keep = if all.keep < 1.0 || keep < 1.0 { all.keep.min(keep) } else { all.keep.max(keep) };
 }
 
 impl Composite {

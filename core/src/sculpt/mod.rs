@@ -13,7 +13,10 @@
 pub mod brushes;
 pub mod compose;
 pub mod guides;
+mod made_from;
 pub mod near;
+pub mod planted;
+pub mod planting;
 mod replay;
 pub mod session;
 pub mod solve;
@@ -34,6 +37,7 @@ use crate::maps::{MapKind, Maps};
 pub use brushes::SculptBrush;
 pub use compose::Composite;
 pub use guides::GuidePaths;
+pub use made_from::MadeFrom;
 pub use near::SculptShares;
 pub use session::{LiveStroke, SculptBase};
 pub use stroke::{Stroke, StrokePoint};
@@ -120,7 +124,8 @@ pub struct SculptGuide {
     pub length: f32,
     /// Share of the path that was not cut off, from the root; the shape below the cut stays.
     pub cut: f32,
-    /// Share of the strands that is left: 0 bald, 1 all of them.
+    /// Share of the strands that is left: 0 bald, 1 all of them. Above 1, so many times as many grow: see
+    /// [`planting`].
     pub keep: f32,
     /// 1 is left alone by every brush.
     pub frozen: f32,

@@ -75,6 +75,12 @@ impl SculptShares {
     }
 }
 
+/// The share of a place in the guides around it, whatever side of a parting they are on.
+pub(super) fn nearest_share(grid: &PointGrid<'_>, names: &[u32], p: Vec3) -> Share {
+    let (nearest, n_found) = grid.nearest::<4>(p);
+    share(&nearest.map(|(guide, squared)| (guide, squared.sqrt()))[..n_found], names)
+}
+
 /// The share of a strand whose nearest guides are these; `names` are the guides' numbers.
 fn share(nearest: &[(usize, f32)], names: &[u32]) -> Share {
     let mut share = Share::default();

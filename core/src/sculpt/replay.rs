@@ -1,11 +1,41 @@
 //! A stroke that was recorded, or written by hand, as the edits that it comes to.
+//!
+//! A journal may hold a day of strokes, and preparing hair for brushes takes longer than a stroke: what was prepared
+//! last is kept on the thread that replays, as long as the hair below the brushes is the same.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
-use super::{LiveStroke, SculptBase, SculptChange, SculptLayer, SculptRoots, Stroke};
-use crate::distance_field::{COLLISION_RESOLUTION, DistanceField};
+use super::{LiveStroke, MadeFrom, SculptBase, SculptChange, SculptLayer, Stroke};
 use crate::edit::{Edit, EditError};
-use crate::groom::{Groom, Layer};
+use crate::groom::{Groom, Head, Layer};
+
+/// Layers that are kept prepared: a macro goes to and fro between main hair and fly-aways.
+const MOST_KEPT: usize = 3;
+
+thread_local! {
+    /// The latest last.
+    static KEPT: RefCell<Vec<(MadeFrom, Arc<SculptBase>)>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A layer made ready for strokes, as it was made ready for the stroke before where nothing has changed.
+fn base_of(layer: &Layer, head: Option<&Head>) -> Arc<SculptBase> {
+    KEPT.with_borrow_mut(|kept| {
+        if let Some(at) = kept.iter().position(|(of, _)| of.holds_for(layer, head)) {
+            let latest = kept.remove(at);
+            let base = Arc::clone(&latest.1);
+            kept.push(latest);
+            return base;
+        }
+        let field = kept.iter().find(|(of, _)| of.is_of_head(head)).map(|(_, base)| base.field.clone());
+        let base = Arc::new(SculptBase::prepare(layer, head, field));
+        kept.push((MadeFrom::new(layer, head, &base.roots), Arc::clone(&base)));
+        if kept.len() > MOST_KEPT {
+            kept.remove(0);
+        }
+        base
+    })
+}
 
 /// Points of a stroke, at most: an hour of a fast pen.
 const MOST_POINTS: usize = 1_000_000;
@@ -24,37 +54,28 @@ impl Stroke {
             return Err(EditError::Sculpt { layer_idx, why });
         }
         let mut edits = Vec::new();
-        let mut roots = Arc::clone(&layer.sculpt.roots);
-        if roots.positions.is_empty() {
-            roots = Arc::new(SculptRoots::of_layer(layer, groom.head.as_ref()));
-            edits.push(Edit::SetSculptRoots { layer_idx, roots: Arc::clone(&roots) });
+        let base = base_of(layer, groom.head.as_ref());
+        if let Some(why) = base.problem(self.kind) {
+            return Err(EditError::Sculpt { layer_idx, why: why.to_owned() });
         }
-        if roots.positions.is_empty() {
-            return Err(EditError::Sculpt { layer_idx, why: "it has no hair".to_owned() });
+        if !Arc::ptr_eq(&layer.sculpt.roots, &base.roots) {
+            edits.push(Edit::SetSculptRoots { layer_idx, roots: Arc::clone(&base.roots) });
         }
         if sculpt_idx == n_sculpts {
             let sculpt = Box::new(SculptLayer::new(&format!("Sculpt {}", n_sculpts + 1)));
             edits.push(Edit::AddSculpt { layer_idx, sculpt_idx, sculpt });
         }
-        let field =
-            groom.head.as_ref().and_then(|head| DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION).ok());
-        let base = SculptBase::new(layer, groom.head.as_ref(), roots, field.map(Arc::new));
-        let changes = self.changes(Arc::new(base), layer, sculpt_idx);
+        let mut live = LiveStroke::begin(base, layer, sculpt_idx, self);
+        let changes = live.extend_all(&self.points);
         edits.push(Edit::Sculpt { layer_idx, sculpt_idx, changes });
+        let planted = live.planted(&layer.source);
+        edits.extend(planted.map(|source| Edit::SetSource { layer_idx, source }));
         Ok(edits)
     }
 
     /// What the stroke makes of a layer's guides.
     pub fn changes(&self, base: Arc<SculptBase>, layer: &Layer, sculpt_idx: usize) -> Vec<SculptChange> {
-        let mut live = LiveStroke::begin(base, layer, sculpt_idx, self);
-        let mut all = Vec::new();
-        for point in &self.points {
-            let mut later = live.extend(*point);
-            // The later state of a guide is the one that counts.
-            super::join_changes(&mut later, &all);
-            all = later;
-        }
-        all
+        LiveStroke::begin(base, layer, sculpt_idx, self).extend_all(&self.points)
     }
 
     /// Why it cannot be made, in words.

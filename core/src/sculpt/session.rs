@@ -9,13 +9,14 @@ use glam::{Mat3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::brushes::{Dab, Hair, Numbers, mirrored};
+use super::planted::PlantPlaces;
 use super::solve::{segment_lengths, shown, solve};
 use super::stroke::{DABS_PER_RADIUS, Footstep, Stroke, StrokePoint, Walker};
 use super::view::{DepthMap, View};
-use super::{GuidePaths, K, SculptBrush, SculptChange, SculptGuide, SculptRoots};
+use super::{GuidePaths, K, SculptBrush, SculptChange, SculptGuide, SculptRoots, join_changes};
 use crate::brush::BrushSpace;
-use crate::distance_field::DistanceField;
-use crate::groom::{Head, Layer};
+use crate::distance_field::{COLLISION_RESOLUTION, DistanceField};
+use crate::groom::{Head, Layer, Source};
 use crate::mesh_query::MeshQuery;
 
 /// A layer's guides and head, made ready for strokes.
@@ -25,6 +26,8 @@ pub struct SculptBase {
     pub guides: GuidePaths,
     pub field: Option<Arc<DistanceField>>,
     pub head: Option<MeshQuery>,
+    /// Where the add brush plants guides, in layers that are made of them.
+    pub plant: Option<PlantPlaces>,
 }
 
 /// A sculpt layer that acts less than this on a guide cannot be brushed there: a small stroke would take a huge
@@ -32,9 +35,28 @@ pub struct SculptBase {
 const LEAST_SHARE: f32 = 0.05;
 
 impl SculptBase {
+    /// Prepare a layer for strokes. It keeps the sculpt guides that it has and gets further ones where it has hair and
+    /// none is near; `field` is the head's distance field, where it is known already.
+    pub fn prepare(layer: &Layer, head: Option<&Head>, field: Option<Option<Arc<DistanceField>>>) -> Self {
+        let known = &layer.sculpt.roots;
+        let roots = known.covering(layer, head).map_or_else(|| Arc::clone(known), Arc::new);
+        let field = field.unwrap_or_else(|| {
+            let field = DistanceField::from_mesh(&head?.mesh, COLLISION_RESOLUTION);
+            field.ok().map(Arc::new)
+        });
+        Self::new(layer, head, roots, field)
+    }
+
     pub fn new(layer: &Layer, head: Option<&Head>, roots: Arc<SculptRoots>, field: Option<Arc<DistanceField>>) -> Self {
-        let guides = GuidePaths::new(layer, head, &roots);
-        Self { roots, guides, field, head: head.and_then(|head| MeshQuery::new(&head.mesh).ok()) }
+        let guides = GuidePaths::shaped(layer, head, &roots);
+        let plant = PlantPlaces::of_layer(layer, head);
+        Self { roots, guides, field, head: head.and_then(|head| MeshQuery::new(&head.mesh).ok()), plant }
+    }
+
+    /// Why there is nothing for a brush here, in words: only the add brush can begin where no hair is.
+    pub fn problem(&self, kind: SculptBrush) -> Option<&'static str> {
+        let is_bare = self.roots.positions.is_empty() && (kind != SculptBrush::Add || self.plant.is_none());
+        is_bare.then_some("this layer has no hair to brush")
     }
 
     /// The guides as they are seen under all sculpt layers of a layer, head space.
@@ -49,21 +71,27 @@ impl SculptBase {
             .collect()
     }
 
-    /// Where the hair or the head is nearest under each part of the window.
-    pub fn depths(&self, view: &View, curves: &[[Vec3; K]]) -> DepthMap {
-        let there = curves.iter().zip(&self.guides.is_there).filter(|(_, is_there)| **is_there);
-        let halves = |curve: &[Vec3; K]| {
-            let curve = *curve;
-            (0..2 * K - 1).map(move |i| 0.5 * (curve[i / 2] + curve[i.div_ceil(2)]))
+    /// Where the hair of a layer, whose guides are `curves`, or the head is nearest under each part of the window.
+    /// Hair that was cut off or deleted is not there to be touched.
+    pub fn depths(&self, view: &View, layer: &Layer, curves: &[[Vec3; K]]) -> DepthMap {
+        let halves = |(g, curve): (usize, &[Vec3; K])| {
+            let (curve, guide) = (*curve, layer.sculpt.guide_of(&layer.maps, |_| true, g as u32));
+            let shown = if guide.keep > 0.0 { guide.cut * self.guides.left[g] } else { 0.0 };
+            let n = if self.guides.is_there[g] { (2.0 * shown * (K - 1) as f32) as usize + 1 } else { 0 };
+            (0..n).map(move |i| 0.5 * (curve[i / 2] + curve[i.div_ceil(2)]))
         };
-        DepthMap::new(view, there.flat_map(|(curve, _)| halves(curve)))
+        DepthMap::new(view, curves.iter().enumerate().flat_map(halves))
     }
 
-    /// The place under the pointer: hair, or the head; `None` where there is neither.
-    pub fn pick(&self, view: &View, depths: &DepthMap, at: Vec2) -> Option<Vec3> {
+    /// The place under the pointer: hair, or the head; `None` where there is neither. A brush that moves roots looks
+    /// for the head first: roots are under the hair.
+    pub fn pick(&self, view: &View, depths: &DepthMap, kind: SculptBrush, at: Vec2) -> Option<Vec3> {
         let (eye, ray) = view.ray(at);
         let hair = depths.depth(at).map(|depth| view.at_depth(at, depth));
         let head = self.head.as_ref().and_then(|head| head.ray(eye, ray)).map(|hit| hit.position);
+        if kind == SculptBrush::Slide && head.is_some() {
+            return head;
+        }
         [hair, head].into_iter().flatten().min_by(|a, b| view.depth(*a).total_cmp(&view.depth(*b)))
     }
 }
@@ -88,6 +116,8 @@ pub struct LiveStroke {
     /// By any layer, 0-1.
     frozen: Vec<f32>,
     is_changed: Vec<bool>,
+    /// Places that the add brush has chosen for new guides.
+    to_plant: Vec<u32>,
 }
 
 impl LiveStroke {
@@ -96,7 +126,7 @@ impl LiveStroke {
     pub fn begin(base: Arc<SculptBase>, layer: &Layer, sculpt_idx: usize, stroke: &Stroke) -> Self {
         let view = View::new(&stroke.view);
         let curves = base.shown(layer);
-        let depths = base.depths(&view, &curves);
+        let depths = base.depths(&view, layer, &curves);
         let (sculpt, maps) = (&layer.sculpt, &layer.maps);
         let strokes = sculpt.layers.get(sculpt_idx).map(|of| Arc::clone(&of.strokes)).unwrap_or_default();
         let n_guides = base.guides.n_guides();
@@ -124,6 +154,7 @@ impl LiveStroke {
             others: (0..n_guides).into_par_iter().map(others).collect(),
             frozen: (0..n_guides).into_par_iter().map(frozen).collect(),
             is_changed: vec![false; n_guides],
+            to_plant: Vec::new(),
             own,
             curves,
             base,
@@ -136,9 +167,16 @@ impl LiveStroke {
         &self.stroke
     }
 
+    /// The source of the layer with what the stroke has planted in it; `None` where it planted nothing. To be
+    /// asked when the stroke is complete: sources are large.
+    pub fn planted(&self, source: &Source) -> Option<Source> {
+        let plant = self.base.plant.as_ref().filter(|_| !self.to_plant.is_empty())?;
+        plant.planted(source, &self.to_plant)
+    }
+
     /// The place under a point of the window, as the hair was when the stroke began.
     pub fn pick(&self, at: Vec2) -> Option<Vec3> {
-        self.base.pick(&self.view, &self.depths, at)
+        self.base.pick(&self.view, &self.depths, self.stroke.kind, at)
     }
 
     /// Go on to a point. Returns what the guides that were touched since the last call have become.
@@ -149,7 +187,7 @@ impl LiveStroke {
             let radius = match self.stroke.brush.space {
                 BrushSpace::Screen => self.stroke.brush.radius_points,
                 BrushSpace::Surface => {
-                    let place = self.base.pick(&self.view, &self.depths, at);
+                    let place = self.base.pick(&self.view, &self.depths, self.stroke.kind, at);
                     let place = place.unwrap_or_else(|| self.view.at_depth(at, self.depth));
                     self.stroke.brush.radius_cm / self.view.cm_per_point(place).max(1e-6)
                 }
@@ -172,8 +210,20 @@ impl LiveStroke {
             .collect()
     }
 
+    /// Go on to all of these points, as [`LiveStroke::extend`] does to one.
+    pub fn extend_all(&mut self, points: &[StrokePoint]) -> Vec<SculptChange> {
+        let mut all = Vec::new();
+        for point in points {
+            let mut later = self.extend(*point);
+            // The later state of a guide is the one that counts.
+            join_changes(&mut later, &all);
+            all = later;
+        }
+        all
+    }
+
     fn dab(&mut self, step: &Footstep) {
-        let place = self.base.pick(&self.view, &self.depths, step.at);
+        let place = self.base.pick(&self.view, &self.depths, self.stroke.kind, step.at);
         let centre = place.unwrap_or_else(|| self.view.at_depth(step.at, self.depth));
         self.depth = self.view.depth(centre);
         let brush = self.stroke.brush.under_pressure(step.pressure);
@@ -199,6 +249,12 @@ impl LiveStroke {
                 break;
             }
             let dab = Dab { is_mirrored, ..dab };
+            if kind == SculptBrush::Add
+                && !dab.is_inverted
+                && let Some(plant) = &self.base.plant
+            {
+                plant.choose(&dab, &mut self.to_plant);
+            }
             let lock = kind.needs_lock().then(|| self.lock(&dab)).flatten();
             let dab = Dab { lock: lock.as_ref(), ..dab };
             let (base, shares, others, frozen) = (&self.base, &self.shares, &self.others, &self.frozen);
@@ -212,6 +268,7 @@ impl LiveStroke {
                 let before = *own;
                 let guide = Guide {
                     path: &base.guides.paths[g],
+                    left: base.guides.left[g],
                     frame: &base.guides.frames[g],
                     others,
                     share: shares[g],
@@ -231,7 +288,7 @@ impl LiveStroke {
             .filter(|&g| self.base.guides.is_there[g])
             .filter_map(|g| {
                 let (points, normal) = seen(&self.curves[g], self.base.guides.frames[g].z_axis, dab.is_mirrored);
-                let shown = self.others[g].cut.min(self.own[g].cut);
+                let shown = self.base.guides.left[g] * self.others[g].cut.min(self.own[g].cut);
                 let weights = weights(&points, normal, shown, 1.0, dab);
                 let weight = weights.into_iter().fold(0.0, f32::max);
                 (weight > 0.0).then_some((g, weight))
@@ -281,6 +338,8 @@ impl Share {
 /// What a stroke does not change about a guide.
 struct Guide<'a> {
     path: &'a [Vec3; K],
+    /// Share of the path that there is without brushes.
+    left: f32,
     frame: &'a Mat3,
     /// What the other sculpt layers do.
     others: &'a SculptGuide,
@@ -292,8 +351,12 @@ struct Guide<'a> {
 impl Guide<'_> {
     /// Let a brush act on the guide, and see to its lengths, the head, and the sculpt layer's share in it.
     fn touch(&self, kind: SculptBrush, dab: &Dab<'_>, curve: &mut [Vec3; K], own: &mut SculptGuide) {
+        // Hair on which the sculpt layer does not act is not touched, but for what says where it acts.
+        if !kind.ignores_frozen() && self.share.at(own.masked).abs() < LEAST_SHARE {
+            return;
+        }
         let (mut points, normal) = seen(curve, self.frame.z_axis, dab.is_mirrored);
-        let shown = self.others.cut.min(own.cut);
+        let shown = self.left * self.others.cut.min(own.cut);
         let weights = weights(&points, normal, shown, self.free, dab);
         if weights.iter().all(|weight| *weight <= 0.0) {
             return;
@@ -301,13 +364,15 @@ impl Guide<'_> {
         let unmoved = points;
         let SculptGuide { length, cut, keep, frozen, masked, .. } = *own;
         let mut numbers = Numbers { length, cut, keep, frozen, masked };
-        kind.act(&mut Hair { points: &mut points, weights, normal, shown, numbers: &mut numbers }, dab);
+        kind.act(
+            &mut Hair { points: &mut points, weights, normal, shown, left: self.left, numbers: &mut numbers },
+            dab,
+        );
         (own.cut, own.keep, own.frozen, own.masked) = (numbers.cut, numbers.keep, numbers.frozen, numbers.masked);
-        let share = self.share.at(own.masked);
-        let is_same = points == unmoved && numbers.length == length;
-        if is_same || share.abs() < LEAST_SHARE {
+        if points == unmoved && numbers.length == length {
             return;
         }
+        let share = self.share.at(own.masked);
         own.length = numbers.length;
         let grown = self.others.length * (1.0 + share * (own.length - 1.0)).max(0.0);
         let lengths = segment_lengths(self.path).map(|length| grown * length);

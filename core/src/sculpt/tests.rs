@@ -260,3 +260,112 @@ fn a_composite_tells_which_guides_changed() {
     }
     assert_eq!(after.changed_since(&before), [3..6, 60..61]);
 }
+
+/// Sculpted by a stroke of the add brush over one side: twice and a half as dense there.
+fn planted(mut layer: Layer, head: &Head) -> Layer {
+    layer.sculpt.roots = Arc::new(SculptRoots::of_layer(&layer, Some(head)));
+    let mut sculpt = SculptLayer::new("planted");
+    let strokes = Arc::make_mut(&mut sculpt.strokes);
+    for (id, p) in layer.sculpt.roots.positions.iter().enumerate().filter(|(_, p)| p.x > 0.0) {
+        let keep = 1.0 + 1.5 * (p.x / 0.5).min(1.0);
+        strokes.ids.push(id as u32);
+        strokes.guides.push(SculptGuide { keep, ..SculptGuide::default() });
+    }
+    layer.sculpt.layers.push(sculpt);
+    layer
+}
+
+#[test]
+fn planting_adds_strands_where_it_was_painted_and_outlives_count_density_and_hair_mesh() {
+    let head = ball();
+    let bind = |layer: &Layer| bind_layer(layer, Some(&head));
+    let dense = |roots: &[Vec3]| roots.iter().filter(|p| p.x > 0.6).count() as f32;
+    let bare = |roots: &[Vec3]| roots.iter().filter(|p| p.x < -0.1).count() as f32;
+    let hair = fallen_hair(6);
+    let strands = {
+        let binding = bind(&Layer { n_strands: 300, ..hair.clone() });
+        generate(&binding, &hair, &binding.guides.positions, &Pose::default())
+    };
+    let guides = Layer { n_strands: 3000, ..Layer::new("guides", Source::Guides(Arc::new(strands))) };
+    for layer in [hair.clone(), guides] {
+        let with = planted(layer.clone(), &head);
+        let (before, after) = (bind(&layer), bind(&with));
+        let set = |ids: &[u32]| ids.iter().copied().collect::<std::collections::BTreeSet<u32>>();
+        assert!(set(&before.ids).is_subset(&set(&after.ids)), "planting takes no strand away");
+        for (s, id) in before.ids.iter().enumerate() {
+            let again = after.ids.iter().position(|known| known == id).unwrap();
+            assert_eq!((before.roots[s], before.seeds[s]), (after.roots[again], after.seeds[again]));
+        }
+        let share = dense(&after.roots) / dense(&before.roots);
+        assert!((share - 2.5).abs() < 0.3, "{share} times as many");
+        assert_eq!(bare(&after.roots), bare(&before.roots), "none where nothing was painted");
+        // Half of the order of detail has half of the planted strands.
+        let half = &after.roots[..after.n_strands() / 2];
+        let (of_half, of_all) = (dense(half) / half.len() as f32, dense(&after.roots) / after.n_strands() as f32);
+        assert!((of_half / of_all - 1.0).abs() < 0.1);
+        // More strands: the planted ones are among them.
+        let more = bind(&Layer { n_strands: 5000, ..with.clone() });
+        assert!(set(&after.ids).is_subset(&set(&more.ids)));
+        // A density map takes some of all.
+        let mut thin = with.clone();
+        thin.maps.insert(MapKind::Density, Arc::new(ScalpMap::filled(40, 40, 128)));
+        let thin = bind(&thin);
+        assert!(set(&thin.ids).is_subset(&set(&after.ids)));
+        let share = dense(&thin.roots) / dense(&after.roots);
+        assert!((share - 0.5).abs() < 0.1, "{share}");
+        // A layer that is counted in all gets the planted strands on top.
+        let total = |layer: &Layer| bind(&Layer { count: crate::groom::StrandCount::Total, ..layer.clone() });
+        let (before, after) = (total(&layer), total(&with));
+        assert!(set(&before.ids).is_subset(&set(&after.ids)) && after.n_strands() > before.n_strands() * 5 / 4);
+        // Off, weighted or undone, as any sculpting.
+        let mut off = with.clone();
+        off.sculpt.layers[0].on = false;
+        assert_eq!(bind(&off).ids, bind(&layer).ids);
+        let mut less = with.clone();
+        less.sculpt.layers[0].weight = 0.5;
+        let share = dense(&bind(&less).roots) / dense(&bind(&layer).roots);
+        assert!((share - 1.75).abs() < 0.25, "{share} at half the weight");
+    }
+    // Another hair mesh, with four faces where there was one: as dense in the same place.
+    let mut finer = fallen_hair(12);
+    finer.sculpt = planted(hair, &head).sculpt;
+    let plain = Layer { sculpt: Sculpt::default(), ..finer.clone() };
+    let share = dense(&bind(&finer).roots) / dense(&bind(&plain).roots);
+    assert!((share - 2.5).abs() < 0.3, "{share} times as many on another hair mesh");
+}
+
+#[test]
+fn deleted_strands_are_not_exported() {
+    use crate::groom::Groom;
+    use crate::io::{What, strands_of};
+    let head = ball();
+    let hair = fallen_hair(6);
+    let binding = bind_layer(&Layer { n_strands: 900, ..hair.clone() }, Some(&head));
+    let strands = generate(&binding, &hair, &binding.guides.positions, &Pose::default());
+    let imported = Layer::from_strands("strands", strands.clone());
+    let guides = Layer { n_strands: 2000, ..Layer::new("guides", Source::Guides(Arc::new(strands))) };
+    for layer in [hair, imported, guides] {
+        let mut bald = layer.clone();
+        bald.sculpt.roots = Arc::new(SculptRoots::of_layer(&layer, Some(&head)));
+        let mut sculpt = SculptLayer::new("bald on one side");
+        let strokes = Arc::make_mut(&mut sculpt.strokes);
+        for (id, p) in bald.sculpt.roots.positions.iter().enumerate().filter(|(_, p)| p.x > 0.0) {
+            strokes.ids.push(id as u32);
+            strokes.guides.push(SculptGuide { keep: if p.x > 0.3 { 0.0 } else { 0.5 }, ..SculptGuide::default() });
+        }
+        bald.sculpt.layers.push(sculpt);
+        let groom = |layer: &Layer| Groom { head: Some(head.clone()), layers: vec![layer.clone()], ..Groom::default() };
+        for what in [What::Strands, What::Guides] {
+            let (before, after) = (strands_of(&groom(&layer), what), strands_of(&groom(&bald), what));
+            let on_the_right = |strands: &Strands| strands.iter().filter(|points| points[0].x > 0.9).count();
+            assert!(on_the_right(&before) > 5, "{what:?}");
+            assert_eq!(on_the_right(&after), 0, "{what:?} of {}", layer.name);
+            assert!(after.n_strands() < before.n_strands() * 3 / 4 && after.n_strands() > before.n_strands() / 4);
+            assert!(after.iter().all(|points| crate::strands::polyline_length(points) > 0.5), "no strand is a point");
+            assert_eq!(
+                (after.radii_um.len(), after.points.len()),
+                (after.n_points(), after.offsets[after.n_strands()] as usize)
+            );
+        }
+    }
+}

@@ -28,7 +28,7 @@ pub(super) fn cut(hair: &mut Hair<'_>, dab: &Dab<'_>) {
                 return;
             }
             if hair.weights[k - 1].max(hair.weights[k]) > 0.0 && dab.reach(a.lerp(b, x)) > 0.0 {
-                hair.numbers.cut = hair.numbers.cut.min(at.max(SHORTEST));
+                hair.numbers.cut = hair.numbers.cut.min((at / hair.left).max(SHORTEST));
                 return;
             }
         }

@@ -1,4 +1,4 @@
-//! Delete: hair that the brush touches gets thinner until none is left.
+//! Delete: hair that the brush touches gets thinner until none is left; inverted, what was deleted comes back.
 
 use super::{Dab, Hair};
 
@@ -6,10 +6,7 @@ use super::{Dab, Hair};
 const SHARE: f32 = 0.4;
 
 pub(super) fn delete(hair: &mut Hair<'_>, dab: &Dab<'_>) {
-    thin_out(hair, dab.sign());
-}
-
-/// Take hair away, or with a negative sign bring it back.
-pub(super) fn thin_out(hair: &mut Hair<'_>, sign: f32) {
-    hair.numbers.keep = (hair.numbers.keep - sign * SHARE * hair.weight()).clamp(0.0, 1.0);
+    let keep = hair.numbers.keep;
+    let most = keep.max(1.0);
+    hair.numbers.keep = (keep - dab.sign() * SHARE * hair.weight()).clamp(0.0, most);
 }

@@ -10,6 +10,8 @@ mod comb;
 mod curl;
 mod cut;
 mod delete;
+#[cfg(test)]
+mod effects;
 mod freeze;
 mod length;
 mod mask;
@@ -47,7 +49,7 @@ choices! {
         Part = "part", "Part", "Lay the hair to the two sides of the stroke";
         Length = "length", "Length", "Let the hair grow; inverted: shrink it";
         Cut = "cut", "Cut", "Cut the hair off where the pointer crosses it; inverted: let cut hair come back";
-        Add = "add", "Add", "Bring back deleted hair; inverted: delete";
+        Add = "add", "Add", "Plant hair: bring back what was deleted, then let more grow than the style has; inverted: delete";
         Delete = "delete", "Delete", "Take hair away; inverted: bring it back";
         Slide = "slide", "Slide roots", "Move the roots over the scalp";
         Freeze = "freeze", "Freeze", "Frozen hair is left alone by every brush; inverted: thaw it";
@@ -64,8 +66,9 @@ pub struct Hair<'a> {
     pub weights: [f32; K],
     /// Out of the scalp at the root.
     pub normal: Vec3,
-    /// Share of the path that is there to be seen.
+    /// Share of the path that is there to be seen, and of that without any cut.
     pub shown: f32,
+    pub left: f32,
     pub numbers: &'a mut Numbers,
 }
 

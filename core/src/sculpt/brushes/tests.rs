@@ -10,19 +10,23 @@ use crate::camera::Camera;
 use crate::distance_field::DistanceField;
 use crate::edit::Edit;
 use crate::groom::{Groom, Layer};
+use crate::history::{History, Merge};
 use crate::look::Choice;
+use crate::record::Record;
 use crate::sculpt::solve::segment_lengths;
 use crate::sculpt::tests::{ball, fallen_hair};
 use crate::sculpt::view::View;
-use crate::sculpt::{K, SculptBase, SculptChange, SculptLayer, SculptRoots, Stroke, StrokePoint, StrokeView};
+use crate::sculpt::{
+    K, LiveStroke, SculptBase, SculptChange, SculptLayer, SculptRoots, Stroke, StrokePoint, StrokeView,
+};
 
-struct Scene {
-    layer: Layer,
-    base: Arc<SculptBase>,
+pub(super) struct Scene {
+    pub layer: Layer,
+    pub base: Arc<SculptBase>,
 }
 
 /// Guides on one side of X = 0 first, then their mirror images.
-static SCENE: LazyLock<Scene> = LazyLock::new(|| {
+pub(super) static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let head = ball();
     let mut layer = fallen_hair(6);
     let right = SculptRoots::of_layer(&layer, Some(&head)).positions.into_iter().filter(|p| p.x > 0.3);
@@ -37,35 +41,35 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     Scene { layer, base: Arc::new(base) }
 });
 
-fn view() -> StrokeView {
+pub(super) fn view() -> StrokeView {
     let camera =
         Camera { target: Vec3::Y * 4.0, azimuth_deg: 0.0, elevation_deg: 10.0, distance: 60.0, ..Camera::default() };
     StrokeView { camera, size: [800.0, 600.0], ..StrokeView::default() }
 }
 
 /// From in front of the hair at a place to the side by so many points of the window.
-fn stroke(kind: SculptBrush, from: Vec3, by: Vec2) -> Stroke {
+pub(super) fn stroke(kind: SculptBrush, from: Vec3, by: Vec2) -> Stroke {
     let brush = Brush { radius_cm: 2.5, strength: 0.8, ..Brush::default() };
     let at = View::new(&view()).project(from).unwrap();
     let points = vec![StrokePoint::new(at.x, at.y), StrokePoint::new(at.x + by.x, at.y + by.y)];
     Stroke { kind, brush, view: view(), points, ..Stroke::default() }
 }
 
-const FRONT: Vec3 = Vec3::new(3.0, 5.0, 9.0);
+pub(super) const FRONT: Vec3 = Vec3::new(3.0, 5.0, 9.0);
 
-fn after(layer: &Layer, changes: &[SculptChange]) -> Layer {
+pub(super) fn after(layer: &Layer, changes: &[SculptChange]) -> Layer {
     let mut layer = layer.clone();
     Arc::make_mut(&mut layer.sculpt.layers[0].strokes).apply(changes);
     layer
 }
 
-fn made(layer: &Layer, stroke: &Stroke) -> Layer {
+pub(super) fn made(layer: &Layer, stroke: &Stroke) -> Layer {
     let changes = stroke.changes(Arc::clone(&SCENE.base), layer, 0);
     assert!(!changes.is_empty(), "{:?} touches nothing", stroke.kind);
     after(layer, &changes)
 }
 
-fn changed(before: &Layer, after: &Layer) -> Vec<usize> {
+pub(super) fn changed(before: &Layer, after: &Layer) -> Vec<usize> {
     let guide = |layer: &Layer, g: usize| layer.sculpt.layers[0].strokes.get(g as u32).copied().unwrap_or_default();
     (0..SCENE.base.guides.n_guides()).filter(|&g| guide(before, g) != guide(after, g)).collect()
 }
@@ -205,51 +209,6 @@ fn a_stroke_does_not_depend_on_the_number_of_pointer_events() {
 }
 
 #[test]
-fn every_brush_does_what_it_says_and_its_inverse_the_opposite() {
-    let field = SCENE.base.field.as_ref().unwrap();
-    let shown = SCENE.base.shown(&SCENE.layer);
-    let measure = |kind: SculptBrush, is_inverted: bool| {
-        let stroke = Stroke { is_inverted, ..stroke(kind, FRONT, Vec2::new(50.0, 0.0)) };
-        let touched = made(&SCENE.layer, &stroke);
-        let after = SCENE.base.shown(&touched);
-        let ids = changed(&SCENE.layer, &touched);
-        let mean = |of: &dyn Fn(usize) -> f32| ids.iter().map(|&g| of(g)).sum::<f32>() / ids.len() as f32;
-        let guide = |g: usize| *touched.sculpt.layers[0].strokes.get(g as u32).unwrap();
-        // How far hairs are from the middle of all that were touched.
-        let spread = |curves: &[[Vec3; K]]| -> f32 {
-            let middle = |k: usize| ids.iter().map(|&g| curves[g][k]).sum::<Vec3>() / ids.len() as f32;
-            (1..K).map(|k| mean(&|g| curves[g][k].distance(middle(k)))).sum()
-        };
-        [
-            mean(&|g| (1..K).map(|k| field.sample(after[g][k]) - field.sample(shown[g][k])).sum()),
-            spread(&after) - spread(&shown),
-            mean(&|g| guide(g).length),
-            mean(&|g| guide(g).keep),
-        ]
-    };
-    for kind in [SculptBrush::Puff, SculptBrush::Clump, SculptBrush::Pinch, SculptBrush::Length] {
-        eprintln!("{kind:?}: {:?}, inverted {:?}", measure(kind, false), measure(kind, true));
-    }
-    assert!(measure(SculptBrush::Puff, false)[0] > 0.1 && measure(SculptBrush::Puff, true)[0] < -0.1);
-    assert!(measure(SculptBrush::Clump, false)[1] < -0.05 && measure(SculptBrush::Clump, true)[1] > 0.05);
-    assert!(measure(SculptBrush::Pinch, false)[1] < measure(SculptBrush::Pinch, true)[1] - 0.05);
-    assert!(measure(SculptBrush::Length, false)[2] > 1.05 && measure(SculptBrush::Length, true)[2] < 0.97);
-    assert!(measure(SculptBrush::Delete, false)[3] < 0.7);
-    let bald = made(&SCENE.layer, &stroke(SculptBrush::Delete, FRONT, Vec2::new(50.0, 0.0)));
-    let back = made(
-        &bald,
-        &Stroke {
-            brush: Brush { radius_cm: 5.0, strength: 1.0, ..Brush::default() },
-            ..stroke(SculptBrush::Add, FRONT, Vec2::new(50.0, 0.0))
-        },
-    );
-    assert!(back.sculpt.layers[0].strokes.guides.iter().all(|guide| guide.keep > 0.99), "added hair is back");
-    let cut = made(&SCENE.layer, &stroke(SculptBrush::Cut, FRONT, Vec2::new(50.0, 0.0)));
-    let guides = &cut.sculpt.layers[0].strokes.guides;
-    assert!(guides.len() > 5 && guides.iter().all(|guide| guide.cut < 1.0 && guide.offsets == [[0.0; 3]; K]));
-}
-
-#[test]
 fn a_screen_brush_reaches_all_depths_in_front_of_the_head_and_through_it_when_asked() {
     let mut stroke = stroke(SculptBrush::Puff, Vec3::new(0.0, 6.0, 9.0), Vec2::new(10.0, 0.0));
     stroke.brush.space = BrushSpace::Screen;
@@ -285,4 +244,52 @@ fn a_replayed_stroke_is_the_stroke_and_its_inverse_takes_it_back() {
     let Edit::Stroke { stroke, .. } = edit else { panic!("it is a stroke") };
     let beyond = Edit::Stroke { layer_idx: 0, sculpt_idx: 5, stroke };
     assert!(groom.apply(beyond).unwrap_err().to_string().contains("no sculpt layer 5"));
+}
+
+#[test]
+fn a_stroke_is_written_down_as_a_stroke_and_replays_to_the_same_bits() {
+    let mut groom = Groom { head: Some(ball()), layers: vec![fallen_hair(6)], ..Groom::default() };
+    let first = groom.clone();
+    let mut history = History::default();
+    history.record();
+    let mut records = Vec::new();
+    for (n, kind) in [SculptBrush::Comb, SculptBrush::Smooth, SculptBrush::Add].into_iter().enumerate() {
+        let made = stroke(kind, FRONT, Vec2::new(90.0, -30.0));
+        // As the viewport makes it: an edit a frame.
+        let base = Arc::new(SculptBase::prepare(&groom.layers[0], groom.head.as_ref(), None));
+        history.hold();
+        let merge = Merge::Stroke(n as u64);
+        if n == 0 {
+            let begin = vec![
+                Edit::SetSculptRoots { layer_idx: 0, roots: Arc::clone(&base.roots) },
+                Edit::AddSculpt { layer_idx: 0, sculpt_idx: 0, sculpt: Box::new(SculptLayer::new("Sculpt 1")) },
+            ];
+            history.apply(&mut groom, "stroke", Edit::Batch(begin), merge).unwrap();
+        }
+        let mut live = LiveStroke::begin(base, &groom.layers[0], 0, &made);
+        for point in
+            [made.points[0], StrokePoint::new(made.points[0].at[0] + 33.3, made.points[0].at[1]), made.points[1]]
+        {
+            let changes = live.extend(point);
+            history.apply(&mut groom, "stroke", Edit::Sculpt { layer_idx: 0, sculpt_idx: 0, changes }, merge).unwrap();
+            records.extend(history.take_records());
+        }
+        history.end_drag();
+        let stroke = Box::new(live.stroke().clone());
+        history.release(Some(Edit::Stroke { layer_idx: 0, sculpt_idx: 0, stroke }));
+        records.extend(history.take_records());
+    }
+    assert_eq!((history.n_done(), records.len()), (3, 3), "a record a stroke");
+    assert!(records.iter().all(|record| matches!(record.edit, Edit::Stroke { .. })));
+    let text = ron::to_string(&records).unwrap();
+    assert!(text.len() < 6000, "{} bytes for three strokes", text.len());
+    let read: Vec<Record> = ron::from_str(&text).unwrap();
+    let (mut again, mut replayed) = (first.clone(), History::default());
+    for record in read {
+        replayed.replay(&mut again, record).unwrap();
+    }
+    assert_eq!(again, groom);
+    assert_eq!(ron::to_string(&again).unwrap(), ron::to_string(&groom).unwrap());
+    while replayed.undo(&mut again).is_some() {}
+    assert_eq!(again, first);
 }

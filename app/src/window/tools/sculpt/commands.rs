@@ -47,7 +47,7 @@ pub const SCULPT_COMMANDS: &[Row] = &[
     row(SculptCommand::Brush(SculptBrush::Part), "Part", "Lay the hair to the two sides of the stroke", &[key(Key::Num8)]),
     row(SculptCommand::Brush(SculptBrush::Length), "Length", "Let the hair grow; Ctrl shrinks it", &[key(Key::Num9)]),
     row(SculptCommand::Brush(SculptBrush::Cut), "Cut", "Cut the hair where the pointer crosses it; Ctrl lets it come back", &[key(Key::Num0)]),
-    row(SculptCommand::Brush(SculptBrush::Add), "Add", "Bring back deleted hair; Ctrl deletes", &[key(Key::A)]),
+    row(SculptCommand::Brush(SculptBrush::Add), "Add", "Plant hair, or bring back what was deleted; Ctrl deletes", &[key(Key::A)]),
     row(SculptCommand::Brush(SculptBrush::Delete), "Delete", "Take hair away; Ctrl brings it back", &[key(Key::D)]),
     row(SculptCommand::Brush(SculptBrush::Slide), "Slide roots", "Move the roots over the scalp", &[key(Key::S)]),
     row(SculptCommand::Brush(SculptBrush::Freeze), "Freeze", "Frozen hair is left alone by every brush; Ctrl thaws it", &[key(Key::Z)]),

@@ -105,6 +105,7 @@ impl SculptTool {
             if running.is_done {
                 desk.document.take_back();
             }
+            desk.document.history.release(None);
             return;
         }
         if is_pressed && !is_setting && !view.is_navigating && view.response.is_pointer_button_down_on() {
@@ -113,8 +114,17 @@ impl SculptTool {
         if self.running.is_some() {
             self.go_on(ui, desk, view);
         }
-        if !is_down && self.running.take().is_some() {
+        if !is_down && let Some(running) = self.running.take() {
+            let layer = desk.document.groom.layers.get(running.layer_idx);
+            if let Some(source) = layer.and_then(|layer| running.live.planted(&layer.source)) {
+                let edit = Edit::SetSource { layer_idx: running.layer_idx, source };
+                desk.document.edit(&running.label, edit, Merge::Stroke(self.n_strokes));
+            }
             desk.document.history.end_drag();
+            // What the guides became is written down as the stroke that made it so.
+            let Running { live, layer_idx, sculpt_idx, .. } = running;
+            let stroke = Box::new(live.stroke().clone());
+            desk.document.history.release(Some(Edit::Stroke { layer_idx, sculpt_idx, stroke }));
         }
     }
 
@@ -127,14 +137,10 @@ impl SculptTool {
     fn begin(&mut self, ui: &Ui, desk: &mut Desk, view: &View<'_>, layer_idx: usize) {
         self.refusal = None;
         let layer = &desk.document.groom.layers[layer_idx];
-        let Some(base) = self.preparation.base(layer) else {
+        let Some(base) = self.preparation.base(layer, desk.document.groom.head.as_ref()) else {
             self.refusal = Some("The hair is being prepared for brushes: press again in a moment");
             return;
         };
-        if base.roots.positions.is_empty() {
-            self.refusal = Some("This layer has no hair to brush");
-            return;
-        }
         let n_sculpts = layer.sculpt.layers.len();
         let sculpt_idx = self.sculpt_idx.min(n_sculpts.saturating_sub(1));
         self.sculpt_idx = sculpt_idx;
@@ -144,6 +150,10 @@ impl SculptTool {
         }
         let modifiers = ui.input(|input| input.modifiers);
         let kind = if modifiers.shift { SculptBrush::Smooth } else { self.kind };
+        self.refusal = base.problem(kind);
+        if self.refusal.is_some() {
+            return;
+        }
         let label = kind.info().label.to_owned();
         self.n_strokes += 1;
         let mut edits = Vec::new();
@@ -155,6 +165,7 @@ impl SculptTool {
             edits.push(Edit::AddSculpt { layer_idx, sculpt_idx, sculpt });
         }
         let is_done = !edits.is_empty();
+        desk.document.history.hold();
         if is_done {
             let merge = Merge::Stroke(self.n_strokes);
             desk.document.edit(&label, Edit::Batch(edits), merge);
@@ -213,15 +224,15 @@ impl SculptTool {
         let local = at - view.projection.rect().min;
         let local = Vec2::new(local.x, local.y);
         let layer = &desk.document.groom.layers[layer_idx];
-        let place = match (&self.running, self.preparation.base(layer)) {
+        let place = match (&self.running, self.preparation.base(layer, desk.document.groom.head.as_ref())) {
             (Some(running), _) => running.live.pick(local),
             (None, Some(base)) => {
                 let (state, of) = (desk.document.state(), Self::stroke_view(desk, view));
                 let seen = SculptView::new(&of);
                 if self.hover.as_ref().is_none_or(|(known, known_of, _)| (*known, *known_of) != (state, of)) {
-                    self.hover = Some((state, of, base.depths(&seen, &base.shown(layer))));
+                    self.hover = Some((state, of, base.depths(&seen, layer, &base.shown(layer))));
                 }
-                self.hover.as_ref().and_then(|(_, _, depths)| base.pick(&seen, depths, local))
+                self.hover.as_ref().and_then(|(_, _, depths)| base.pick(&seen, depths, self.kind, local))
             }
             (None, None) => None,
         };

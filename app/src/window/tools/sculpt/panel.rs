@@ -36,6 +36,28 @@ fn layers(tool: &mut SculptTool, ui: &mut Ui, desk: &mut Desk, layer_idx: usize)
     let sculpts: Vec<SculptInfo> =
         desk.document.groom.layers[layer_idx].sculpt.layers.iter().map(SculptLayer::info).collect();
     tool.sculpt_idx = tool.sculpt_idx.min(sculpts.len().saturating_sub(1));
+    ui.horizontal_wrapped(|ui| {
+        for (command, label) in [
+            (SculptCommand::AddLayer, "Add"),
+            (SculptCommand::RemoveLayer, "Remove"),
+            (SculptCommand::MergeDown, "Merge down"),
+            (SculptCommand::Thaw, "Thaw all"),
+            (SculptCommand::InvertFrozen, "Invert frozen"),
+        ] {
+            // The tool itself is out of the desk while its panel is shown.
+            let is_possible = match command {
+                SculptCommand::AddLayer => is_enabled(desk, command),
+                SculptCommand::MergeDown => tool.sculpt_idx > 0 && tool.sculpt_idx < sculpts.len(),
+                _ => !sculpts.is_empty(),
+            };
+            let help = Command::Sculpt(command).row().help;
+            let button = ui.add_enabled(is_possible, egui::Button::new(label)).on_hover_text(help);
+            mark(ui.ctx(), || format!("sculpt {label}"), button.rect);
+            if button.clicked() {
+                desk.asked.push(Command::Sculpt(command));
+            }
+        }
+    });
     if sculpts.is_empty() {
         ui.label(RichText::new("The first stroke makes one.").color(theme::TEXT_WEAK));
     }
@@ -92,28 +114,6 @@ fn layers(tool: &mut SculptTool, ui: &mut Ui, desk: &mut Desk, layer_idx: usize)
             edit = Some(("Mask a sculpt layer", set(SculptInfo { mask, ..info.clone() }), Merge::New));
         }
     }
-    ui.horizontal_wrapped(|ui| {
-        for (command, label) in [
-            (SculptCommand::AddLayer, "Add"),
-            (SculptCommand::RemoveLayer, "Remove"),
-            (SculptCommand::MergeDown, "Merge down"),
-            (SculptCommand::Thaw, "Thaw all"),
-            (SculptCommand::InvertFrozen, "Invert frozen"),
-        ] {
-            // The tool itself is out of the desk while its panel is shown.
-            let is_possible = match command {
-                SculptCommand::AddLayer => is_enabled(desk, command),
-                SculptCommand::MergeDown => tool.sculpt_idx > 0 && tool.sculpt_idx < sculpts.len(),
-                _ => !sculpts.is_empty(),
-            };
-            let help = Command::Sculpt(command).row().help;
-            let button = ui.add_enabled(is_possible, egui::Button::new(label)).on_hover_text(help);
-            mark(ui.ctx(), || format!("sculpt {label}"), button.rect);
-            if button.clicked() {
-                desk.asked.push(Command::Sculpt(command));
-            }
-        }
-    });
     if let Some((label, edit, merge)) = edit {
         desk.document.edit(label, edit, merge);
     }
