@@ -13,9 +13,10 @@ use lorelei_core::generate::{Pose, generate};
 use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::hair_mesh::{Accuracy, Along, HairMesh, MeshOp, Relaxer, VertexId, Weld};
 use lorelei_core::history::{History, Merge};
+use lorelei_core::look::Choice;
+use lorelei_core::sculpt::compose::Composed;
 use lorelei_core::sculpt::{
-    Composite, LiveStroke, Sculpt, SculptBase, SculptBrush, SculptLayer, SculptRoots, Stroke, StrokePoint, StrokeView,
-    join_changes,
+    Composite, LiveStroke, Sculpt, SculptBase, SculptBrush, SculptLayer, Stroke, StrokePoint, StrokeView, join_changes,
 };
 use serde_json::{Value, json};
 
@@ -134,7 +135,8 @@ fn relax(n_vertices: usize, lines: &mut Vec<Line>) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A stroke of the comb over the default groom: what one frame of it costs on the CPU, whatever the strands.
+/// Strokes over the default groom: what a frame costs on the CPU, whatever the strands. `RAYON_NUM_THREADS=1` measures
+/// one core.
 fn sculpt(lines: &mut Vec<Line>) -> Result<(), CliError> {
     let mut groom: Groom = lorelei_assets::default_groom();
     groom.layers.truncate(1);
@@ -142,8 +144,8 @@ fn sculpt(lines: &mut Vec<Line>) -> Result<(), CliError> {
     let head = groom.head.clone();
     let field = head.as_ref().and_then(|head| DistanceField::from_mesh(&head.mesh, COLLISION_RESOLUTION).ok());
     let start = Instant::now();
-    let roots = Arc::new(SculptRoots::of_layer(&groom.layers[0], head.as_ref()));
-    let base = SculptBase::new(&groom.layers[0], head.as_ref(), Arc::clone(&roots), field.map(Arc::new));
+    let base = SculptBase::prepare(&groom.layers[0], head.as_ref(), Some(field.map(Arc::new)));
+    let roots = Arc::clone(&base.roots);
     let ms = start.elapsed().as_secs_f64() * 1e3;
     lines.push(Line {
         what: "sculpt: prepare, once a layer",
@@ -165,20 +167,51 @@ fn sculpt(lines: &mut Vec<Line>) -> Result<(), CliError> {
     let ms = start.elapsed().as_secs_f64() * 1e3;
     let note = format!("all cores; {:.0} ms for all else that strands hang on", without.as_secs_f64() * 1e3);
     lines.push(Line { what: "sculpt: strands to guides, once a layer", n, ms, note });
+    let base = Arc::new(base);
+    let of_brushes: Result<Vec<_>, CliError> =
+        SculptBrush::ALL.iter().map(|&kind| Ok((kind, stroke_of(kind, &base, &groom)?))).collect();
+    let of_brushes = of_brushes?;
+    let line = |what, (kind, stroke): &(SculptBrush, StrokeCost)| Line {
+        what,
+        n,
+        ms: stroke.frame_ms,
+        note: format!(
+            "{}: up to {} guides touched, {:.0} KiB sent, {:.1} ms at the press; brush, edit, undo and what is sent",
+            kind.info().label,
+            stroke.n_touched,
+            stroke.sent_bytes as f64 / 1024.0,
+            stroke.begin_ms,
+        ),
+    };
+    let comb = of_brushes.iter().filter(|(kind, _)| *kind == SculptBrush::Comb);
+    lines.extend(comb.map(|comb| line("sculpt: a frame of a stroke", comb)));
+    let costliest = of_brushes.iter().max_by(|a, b| a.1.frame_ms.total_cmp(&b.1.frame_ms));
+    lines.extend(costliest.map(|costliest| line("sculpt: of the costliest brush", costliest)));
+    Ok(())
+}
+
+/// What a stroke takes on the CPU.
+struct StrokeCost {
+    begin_ms: f64,
+    /// Median of a frame with two places of the pointer.
+    frame_ms: f64,
+    /// Most guides that a frame touched, and bytes that it sends to the GPU.
+    n_touched: usize,
+    sent_bytes: usize,
+}
+
+/// A stroke with a large brush over the side of the hair, from the front to the back.
+fn stroke_of(kind: SculptBrush, base: &Arc<SculptBase>, groom: &Groom) -> Result<StrokeCost, CliError> {
+    let (mut groom, mut history) = (groom.clone(), History::default());
     let view = StrokeView { camera: Camera { azimuth_deg: 90.0, ..Camera::default() }, ..StrokeView::default() };
     let brush = Brush { radius_cm: 4.0, ..Brush::default() };
-    let stroke = Stroke { kind: SculptBrush::Comb, brush, view, ..Stroke::default() };
+    let stroke = Stroke { kind, brush, view, ..Stroke::default() };
     let start = Instant::now();
-    let mut live = LiveStroke::begin(Arc::new(base), &groom.layers[0], 0, &stroke);
-    lines.push(Line {
-        what: "sculpt: a stroke begins",
-        n,
-        ms: start.elapsed().as_secs_f64() * 1e3,
-        note: String::new(),
-    });
+    let mut live = LiveStroke::begin(Arc::clone(base), &groom.layers[0], 0, &stroke);
+    let begin_ms = start.elapsed().as_secs_f64() * 1e3;
     let mut before = Composite::default();
     let (mut x, mut n_touched, mut n_sent, mut failed) = (500.0, 0, 0, None);
-    let ms = median_ms(41, || {
+    let frame_ms = median_ms(41, || {
         // A fast hand: 12 points of the window a frame.
         x += 6.0;
         let mut changes = live.extend(StrokePoint::new(x, 330.0));
@@ -188,18 +221,18 @@ fn sculpt(lines: &mut Vec<Line>) -> Result<(), CliError> {
         changes = later;
         n_touched = changes.len().max(n_touched);
         let edit = Edit::Sculpt { layer_idx: 0, sculpt_idx: 0, changes };
-        failed = history.apply(&mut groom, "comb", edit, Merge::Stroke(1)).err().or(failed.take());
+        failed = history.apply(&mut groom, "brush", edit, Merge::Stroke(1)).err().or(failed.take());
         let after = Composite::of(&groom.layers[0]);
-        n_sent = after.changed_since(&before).iter().map(std::ops::Range::len).sum::<usize>();
+        // The first frame sends all guides, once.
+        if !before.guides.is_empty() {
+            n_sent = after.changed_since(&before).iter().map(std::ops::Range::len).sum::<usize>().max(n_sent);
+        }
         before = after;
     });
-    if let Some(why) = failed {
-        return Err(CliError::failed(why));
+    match failed {
+        Some(why) => Err(CliError::failed(why)),
+        None => Ok(StrokeCost { begin_ms, frame_ms, n_touched, sent_bytes: n_sent * size_of::<Composed>() }),
     }
-    let note =
-        format!("up to {n_touched} guides touched, {n_sent} sent in the last; comb, edit, undo and what is sent");
-    lines.push(Line { what: "sculpt: a frame of a stroke", n, ms, note });
-    Ok(())
 }
 
 fn trace(lines: &mut Vec<Line>) -> Result<(), CliError> {

@@ -64,3 +64,142 @@ fn a_lock_is_combed_seen_and_undone() {
     assert_eq!(sculpt.layers.len(), 1);
     assert!(sculpt.layers[0].strokes.guides.iter().any(|guide| guide.cut < 1.0));
 }
+
+/// Run a command by its name.
+fn command(studio: &mut Studio<'_>, words: &str) {
+    studio.key("F3");
+    studio.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
+    studio.type_text(words);
+    studio.key("Return");
+    studio.wait("no palette", |state| state["palette"] == false && state["still"] == true);
+}
+
+/// Turn the wheel over the panel until a control is in sight.
+fn scroll_to(studio: &mut Studio<'_>, mark: &str) {
+    for _ in 0..20 {
+        let (x, y) = studio.place_of(mark);
+        if y < 740.0 {
+            return;
+        }
+        studio.move_to((x, 600.0));
+        studio.xdotool(&["click", "5"]);
+        studio.rest();
+    }
+    panic!("the panel does not scroll to {mark}");
+}
+
+/// Type a file's name into the dialog.
+fn name_file(studio: &mut Studio<'_>, name: &str) {
+    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
+    studio.key("ctrl+a");
+    studio.type_text(name);
+    studio.key("Return");
+    studio.wait("no dialog", |state| state["dialog"] == false);
+}
+
+#[test]
+fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
+    let Some((_alone, folder)) = begin("sculpt_layers") else { return };
+    let file = folder.join("small.lorelei");
+    document::save(&small_groom(), &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the first picture", |state| state["still"] == true);
+    studio.click("tool Sculpt");
+    studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
+    let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
+    let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
+    studio.drag(1, (x - 20.0, y - 40.0), (x + 100.0, y - 60.0));
+    studio.wait("a stroke", |state| n_done(state) == 1);
+    // A second layer by its button: a person scrolls the panel until it is there.
+    scroll_to(&mut studio, "sculpt Add");
+    studio.click("sculpt Add");
+    studio.wait("a second layer", |state| n_done(state) == 2 && state["marks"]["sculpt layer Sculpt 2"].is_array());
+    studio.screenshot("1_added");
+    studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
+    studio.drag(1, (x - 60.0, y + 10.0), (x + 90.0, y + 40.0));
+    studio.wait("a stroke", |state| n_done(state) == 3 && state["still"] == true);
+    let full = studio.screenshot("2_brushed");
+    scroll_to(&mut studio, "value sculpt weight");
+    studio.hover("value sculpt weight");
+    studio.xdotool(&["click", "--repeat", "2", "--delay", "60", "1"]);
+    studio.wait("a number to type", |state| state["typing"] == true);
+    studio.key("ctrl+a");
+    studio.type_text("0.5");
+    studio.key("Return");
+    studio.wait("the weight", |state| n_done(state) == 4 && state["typing"] == false && state["still"] == true);
+    studio.move_to((left + 60.0, bottom - 60.0));
+    let half = studio.screenshot("3_weighed");
+    assert!(difference(&full, &half, [left, top, right, bottom]) > 0.0003, "half the weight is seen");
+    studio.key("ctrl+s");
+    studio.wait("a save", |state| state["unsaved"] == false);
+    let saved = document::open(&file).unwrap().layers[0].sculpt.layers.clone();
+    assert_eq!(saved.iter().map(|layer| layer.weight).collect::<Vec<_>>(), [1.0, 0.5]);
+    assert!(saved.iter().all(|layer| !layer.strokes.ids.is_empty()), "each has its stroke");
+    for left_over in (0..4).rev() {
+        studio.key("ctrl+z");
+        studio.wait("an undo", |state| n_done(state) == left_over);
+    }
+    studio.wait("the first hair", |state| state["still"] == true);
+    studio.key("ctrl+s");
+    studio.wait("a save", |state| state["unsaved"] == false);
+    assert!(document::open(&file).unwrap().layers[0].sculpt.layers.is_empty());
+    studio.quit();
+}
+
+#[test]
+fn a_macro_of_two_strokes_is_played_and_undone_as_one_step() {
+    let Some((_alone, folder)) = begin("sculpt_macro") else { return };
+    let file = folder.join("small.lorelei");
+    document::save(&small_groom(), &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the first picture", |state| state["still"] == true);
+    studio.click("tool Sculpt");
+    studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
+    let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
+    let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
+    command(&mut studio, "record a macro");
+    studio.wait("a recording", |state| state["kept"]["macro_steps"] == 0);
+    studio.drag(1, (x - 20.0, y - 40.0), (x + 100.0, y - 60.0));
+    studio.wait("a stroke", |state| n_done(state) == 1 && state["kept"]["macro_steps"] == 1);
+    studio.drag(1, (x - 40.0, y), (x + 80.0, y + 20.0));
+    studio.wait("another", |state| n_done(state) == 2 && state["kept"]["macro_steps"] == 2);
+    studio.key("ctrl+s");
+    studio.wait("a save", |state| state["unsaved"] == false);
+    let brushed = document::open(&file).unwrap();
+    command(&mut studio, "record a macro");
+    name_file(&mut studio, "comb.ron");
+    studio.wait("the macro", |state| state["notices"].to_string().contains("Macro saved"));
+    let list = std::fs::read_to_string(folder.join("comb.ron")).unwrap();
+    assert_eq!(list.matches("Stroke(").count(), 2, "{list}");
+    assert!(list.len() < 20_000 && !list.contains("offsets"), "strokes, not guides: {} bytes", list.len());
+    for left_over in [1, 0] {
+        studio.key("ctrl+z");
+        studio.wait("an undo", |state| n_done(state) == left_over && state["still"] == true);
+    }
+    // Played on the hair that it began with it gives the same hair, in one step.
+    command(&mut studio, "play a macro");
+    studio.choose(folder.join("comb.ron").to_str().unwrap());
+    studio.wait("the macro played", |state| n_done(state) == 1 && state["steps"].to_string().contains("Macro"));
+    studio.wait("its picture", |state| state["still"] == true);
+    studio.screenshot("1_played");
+    let save = |studio: &mut Studio<'_>| {
+        studio.key("ctrl+s");
+        studio.wait("a save", |state| state["unsaved"] == false && state["jobs"] == 0);
+        document::open(&file).unwrap()
+    };
+    assert!(save(&mut studio) == brushed, "the macro's strokes are the strokes");
+    studio.key("ctrl+z");
+    studio.wait("one undo", |state| n_done(state) == 0);
+    studio.key("ctrl+z");
+    studio.rest();
+    assert_eq!(n_done(&studio.state()), 0, "there is nothing more to undo");
+    studio.key("ctrl+shift+z");
+    studio.wait("one redo", |state| n_done(state) == 1 && state["still"] == true);
+    assert!(save(&mut studio) == brushed);
+    studio.key("ctrl+z");
+    studio.wait("an undo", |state| n_done(state) == 0);
+    assert!(save(&mut studio).layers[0].sculpt.layers.is_empty());
+    studio.quit();
+}

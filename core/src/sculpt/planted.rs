@@ -160,8 +160,7 @@ impl<'a> Shapes<'a> {
         let mut total = 0.0;
         for &&(near_idx, squared) in &near {
             let neighbour = self.strands.strand(self.usable[near_idx]);
-            // The scalp's turn from there to here, by what both directions from the head's inside say of it.
-            let turn = self.turn_to(neighbour[0], p, normal);
+            let turn = Self::turn_to(neighbour[0], p, normal);
             let weight = 1.0 / (squared + 1e-4);
             total += weight;
             for (out, u) in points.iter_mut().zip(even_parameters(neighbour, n_points)) {
@@ -172,7 +171,7 @@ impl<'a> Shapes<'a> {
     }
 
     /// From a neighbour's root to a place: the way out of the scalp there is taken from a sphere through both.
-    fn turn_to(&self, root: Vec3, p: Vec3, normal: Vec3) -> Quat {
+    fn turn_to(root: Vec3, p: Vec3, normal: Vec3) -> Quat {
         let chord = p - root;
         // On a sphere the normals at the two ends are mirror images in the plane halfway between them.
         let there = match chord.try_normalize() {

@@ -309,11 +309,27 @@ fn seen(points: &[Vec3; K], normal: Vec3, is_mirrored: bool) -> ([Vec3; K], Vec3
     if is_mirrored { (points.map(mirrored), mirrored(normal)) } else { (*points, normal) }
 }
 
-/// How strongly a dab acts on each point that is there.
+/// How strongly a dab acts on each point that is there. A point speaks for the hair halfway to its neighbours, so
+/// that a brush finer than the points misses none.
 fn weights(points: &[Vec3; K], normal: Vec3, shown: f32, free: f32, dab: &Dab<'_>) -> [f32; K] {
+    /// Places looked at in half a segment: two a radius of the brush, and so many at most.
+    const A_RADIUS: f32 = 2.0;
+    const MOST: f32 = 16.0;
+    let is_there = |u: f32| u <= shown * (K - 1) as f32 + 1e-3;
     std::array::from_fn(|k| {
-        let is_there = (k as f32) <= shown * (K - 1) as f32 + 1e-3;
-        if is_there && free > 0.0 { free * dab.weight(points[k], normal) } else { 0.0 }
+        if free <= 0.0 || !is_there(k as f32 - 0.5) {
+            return 0.0;
+        }
+        let mut weight = if is_there(k as f32) { dab.weight(points[k], normal) } else { 0.0 };
+        for (neighbour, side) in [(k.checked_sub(1), -0.5), (Some(k + 1).filter(|&next| next < K), 0.5)] {
+            let Some(neighbour) = neighbour else { continue };
+            let half = 0.5 * points[k].distance(points[neighbour]);
+            let n = (A_RADIUS * half / dab.radius_cm.max(1e-3)).min(MOST) as usize;
+            for i in (1..=n).map(|i| i as f32 / n as f32).filter(|i| is_there(k as f32 + side * i)) {
+                weight = weight.max(dab.weight(points[k].lerp(points[neighbour], 0.5 * i), normal));
+            }
+        }
+        free * weight
     })
 }
 

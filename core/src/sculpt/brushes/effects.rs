@@ -324,3 +324,28 @@ fn symmetric_strokes_leave_mirrored_offsets() {
     }
     assert!(n_compared > 20);
 }
+
+#[test]
+fn a_fine_brush_misses_no_hair_that_it_crosses() {
+    // Across the whole front, with scissors far finer than the guides' points lie apart.
+    let mut cut = stroke(SculptBrush::Cut, Vec3::new(-6.0, 4.0, 9.0), Vec2::new(330.0, 0.0));
+    cut.brush =
+        Brush { space: crate::brush::BrushSpace::Screen, radius_points: 3.0, has_back_faces: true, ..cut.brush };
+    let touched = made(&SCENE.layer, &cut);
+    let (view, y) = (View::new(&view()), cut.points[0].at[1]);
+    let across = cut.points[0].at[0] + 5.0..cut.points[1].at[0] - 5.0;
+    let mut n_crossed = 0;
+    for (g, curve) in SCENE.base.shown(&SCENE.layer).iter().enumerate() {
+        let at = curve.map(|p| view.project(p).unwrap());
+        let crosses = at.windows(2).any(|ends| {
+            let x = ends[0].lerp(ends[1], ((y - ends[0].y) / (ends[1].y - ends[0].y)).clamp(0.0, 1.0)).x;
+            (ends[0].y - y) * (ends[1].y - y) < 0.0 && across.contains(&x)
+        });
+        if crosses {
+            n_crossed += 1;
+            let cut = touched.sculpt.layers[0].strokes.get(g as u32).map_or(1.0, |guide| guide.cut);
+            assert!(cut < 1.0, "guide {g} is crossed and not cut");
+        }
+    }
+    assert!(n_crossed > 100, "{n_crossed}");
+}
