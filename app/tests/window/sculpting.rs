@@ -65,29 +65,6 @@ fn a_lock_is_combed_seen_and_undone() {
     assert!(sculpt.layers[0].strokes.guides.iter().any(|guide| guide.cut < 1.0));
 }
 
-/// Run a command by its name.
-fn command(studio: &mut Studio<'_>, words: &str) {
-    studio.key("F3");
-    studio.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
-    studio.type_text(words);
-    studio.key("Return");
-    studio.wait("no palette", |state| state["palette"] == false && state["still"] == true);
-}
-
-/// Turn the wheel over the panel until a control is in sight.
-fn scroll_to(studio: &mut Studio<'_>, mark: &str) {
-    for _ in 0..20 {
-        let (x, y) = studio.place_of(mark);
-        if y < 740.0 {
-            return;
-        }
-        studio.move_to((x, 600.0));
-        studio.xdotool(&["click", "5"]);
-        studio.rest();
-    }
-    panic!("the panel does not scroll to {mark}");
-}
-
 /// Type a file's name into the dialog.
 fn name_file(studio: &mut Studio<'_>, name: &str) {
     studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
@@ -112,7 +89,7 @@ fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
     studio.drag(1, (x - 20.0, y - 40.0), (x + 100.0, y - 60.0));
     studio.wait("a stroke", |state| n_done(state) == 1);
     // A second layer by its button: a person scrolls the panel until it is there.
-    scroll_to(&mut studio, "sculpt Add");
+    studio.scroll_to("sculpt Add", "sculpt Add", [120.0, 740.0]);
     studio.click("sculpt Add");
     studio.wait("a second layer", |state| n_done(state) == 2 && state["marks"]["sculpt layer Sculpt 2"].is_array());
     studio.screenshot("1_added");
@@ -120,7 +97,7 @@ fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
     studio.drag(1, (x - 60.0, y + 10.0), (x + 90.0, y + 40.0));
     studio.wait("a stroke", |state| n_done(state) == 3 && state["still"] == true);
     let full = studio.screenshot("2_brushed");
-    scroll_to(&mut studio, "value sculpt weight");
+    studio.scroll_to("sculpt Add", "value sculpt weight", [120.0, 740.0]);
     studio.hover("value sculpt weight");
     studio.xdotool(&["click", "--repeat", "2", "--delay", "60", "1"]);
     studio.wait("a number to type", |state| state["typing"] == true);
@@ -159,7 +136,7 @@ fn a_macro_of_two_strokes_is_played_and_undone_as_one_step() {
     studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
     let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
-    command(&mut studio, "record a macro");
+    studio.command("record a macro");
     studio.wait("a recording", |state| state["kept"]["macro_steps"] == 0);
     studio.drag(1, (x - 20.0, y - 40.0), (x + 100.0, y - 60.0));
     studio.wait("a stroke", |state| n_done(state) == 1 && state["kept"]["macro_steps"] == 1);
@@ -168,7 +145,7 @@ fn a_macro_of_two_strokes_is_played_and_undone_as_one_step() {
     studio.key("ctrl+s");
     studio.wait("a save", |state| state["unsaved"] == false);
     let brushed = document::open(&file).unwrap();
-    command(&mut studio, "record a macro");
+    studio.command("record a macro");
     name_file(&mut studio, "comb.ron");
     studio.wait("the macro", |state| state["notices"].to_string().contains("Macro saved"));
     let list = std::fs::read_to_string(folder.join("comb.ron")).unwrap();
@@ -179,7 +156,7 @@ fn a_macro_of_two_strokes_is_played_and_undone_as_one_step() {
         studio.wait("an undo", |state| n_done(state) == left_over && state["still"] == true);
     }
     // Played on the hair that it began with it gives the same hair, in one step.
-    command(&mut studio, "play a macro");
+    studio.command("play a macro");
     studio.choose(folder.join("comb.ron").to_str().unwrap());
     studio.wait("the macro played", |state| n_done(state) == 1 && state["steps"].to_string().contains("Macro"));
     studio.wait("its picture", |state| state["still"] == true);
