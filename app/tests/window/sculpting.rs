@@ -67,7 +67,8 @@ fn a_lock_is_combed_seen_and_undone() {
 
 /// Type a file's name into the dialog.
 fn name_file(studio: &mut Studio<'_>, name: &str) {
-    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
+    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true && state["still"] == true);
+    studio.rest();
     studio.key("ctrl+a");
     studio.type_text(name);
     studio.key("Return");
