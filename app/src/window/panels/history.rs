@@ -42,7 +42,11 @@ fn memory(ui: &mut Ui, desk: &mut Desk) {
         let n_bytes = desk.document.history.n_bytes();
         let used = RichText::new(format!("{} of", megabytes(n_bytes))).small().color(theme::TEXT_WEAK);
         ui.label(used).on_hover_text("What the steps keep in memory beside the groom, each part counted once");
-        let limit = egui::DragValue::new(&mut desk.settings.history_mib).range(16..=65_536).speed(8.0).suffix(" MiB");
+        let limit = egui::DragValue::new(&mut desk.settings.history_mib)
+            .range(16..=65_536)
+            .speed(8.0)
+            .suffix(" MiB")
+            .update_while_editing(false);
         let limit = ui.add(limit).on_hover_text("Beyond this the oldest steps are forgotten");
         state_report::mark(ui.ctx(), || "history limit".to_owned(), limit.rect);
         let has_steps = desk.document.history.labels().len() > 0;

@@ -120,6 +120,8 @@ pub fn number(ui: &mut Ui, value: &mut f32, (min, max): (f32, f32), unit: &str) 
         _ => 0,
     };
     let control = DragValue::new(value).range(min..=max).speed(f64::from(speed)).max_decimals(decimals);
+    // What is typed counts when it is complete: every digit would be a step to undo.
+    let control = control.update_while_editing(false);
     let response = field(ui, control, unit);
     fill(ui, response, (*value - min) / (max - min))
 }
@@ -128,7 +130,7 @@ pub fn number(ui: &mut Ui, value: &mut f32, (min, max): (f32, f32), unit: &str) 
 pub fn integer(ui: &mut Ui, value: &mut u32, (min, max): (u32, u32), unit: &str) -> Response {
     let is_wide = max > 2000;
     let speed = if is_wide { (f64::from(*value) * 0.01).max(1.0) } else { f64::from(max - min) / 300.0 };
-    let control = DragValue::new(value).range(min..=max).speed(speed);
+    let control = DragValue::new(value).range(min..=max).speed(speed).update_while_editing(false);
     let response = field(ui, control, unit);
     fill(ui, response, (*value as f32 - min as f32) / (max - min).max(1) as f32)
 }
@@ -301,6 +303,35 @@ pub fn thousands(n: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_number_that_is_typed_digit_by_digit_is_one_change() {
+        use egui::{Event, Key, Modifiers, RawInput};
+        let ctx = egui::Context::default();
+        let (mut value, mut n_changes) = (1.0, 0);
+        let mut frame = |events: Vec<Event>| {
+            let mut output = ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| {
+                let response = number(ui, &mut value, (0.0, 1.0), "");
+                n_changes += u32::from(response.changed());
+                if ui.ctx().memory(|memory| memory.focused().is_none()) && n_changes == 0 {
+                    response.request_focus();
+                }
+            });
+            output.textures_delta.clear();
+        };
+        let press =
+            |key, modifiers| vec![Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers }];
+        for _ in 0..3 {
+            frame(Vec::new());
+        }
+        frame(press(Key::A, Modifiers::COMMAND));
+        for text in ["0", ".", "5"] {
+            frame(vec![Event::Text(text.to_owned())]);
+        }
+        frame(press(Key::Enter, Modifiers::NONE));
+        frame(Vec::new());
+        assert_eq!((value, n_changes), (0.5, 1));
+    }
 
     #[test]
     fn numbers_are_grouped_by_thousands() {

@@ -94,10 +94,18 @@ fn layers(tool: &mut SculptTool, ui: &mut Ui, desk: &mut Desk, layer_idx: usize)
         let sculpt_idx = tool.sculpt_idx;
         let set = |info: SculptInfo| Edit::SetSculptInfo { layer_idx, sculpt_idx, info };
         let drag = Merge::Drag(0x5C01_0000 + sculpt_idx as u64);
-        let mut name = info.name.clone();
         widgets::form_row(ui, "Name", "Of the chosen sculpt layer", false, |ui| {
-            if ui.text_edit_singleline(&mut name).on_hover_text("Its name").changed() {
-                edit = Some(("Rename a sculpt layer", set(SculptInfo { name: name.clone(), ..info.clone() }), drag));
+            // What is being typed; it counts once the field is left.
+            let draft = ui.scope_id().with(("name of sculpt layer", sculpt_idx));
+            let mut name = ui.data(|data| data.get_temp(draft)).unwrap_or_else(|| info.name.clone());
+            let field = ui.text_edit_singleline(&mut name).on_hover_text("Its name");
+            if field.lost_focus() {
+                ui.data_mut(|data| data.remove::<String>(draft));
+                if name != info.name {
+                    edit = Some(("Rename a sculpt layer", set(SculptInfo { name, ..info.clone() }), Merge::New));
+                }
+            } else if field.changed() {
+                ui.data_mut(|data| data.insert_temp(draft, name));
             }
         });
         let mut weight = info.weight;
