@@ -1,6 +1,8 @@
 //! Brushing hair by hand: a lock is combed, seen, undone to the first picture; Esc gives a stroke up; cut, layers,
 //! and what is saved.
 
+use std::path::{Path, PathBuf};
+
 use lorelei_core::document;
 use serde_json::Value;
 
@@ -11,19 +13,24 @@ fn n_done(state: &Value) -> u64 {
     state["n_done"].as_u64().unwrap()
 }
 
-#[test]
-fn a_lock_is_combed_seen_and_undone() {
-    let Some((_alone, folder)) = begin("sculpting") else { return };
+/// The small groom in a file, open in the studio with the brushes ready; its file and the viewport.
+fn with_brushes<'a>(display: &'a Display, folder: &Path) -> (Studio<'a>, PathBuf, [f64; 4]) {
     let file = folder.join("small.lorelei");
     document::save(&small_groom(), &file).unwrap();
-    let display = Display::start();
-    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let mut studio = Studio::open(display, folder, &[file.to_str().unwrap()], "first");
     let opened = studio.wait("the first picture", |state| state["still"] == true);
     studio.click("tool Sculpt");
     studio.wait("the tool", |state| state["tool"]["name"] == "Sculpt");
     studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
-    let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
-    let viewport = [left, top, right, bottom];
+    (studio, file, numbers(&opened["viewport"]))
+}
+
+#[test]
+fn a_lock_is_combed_seen_and_undone() {
+    let Some((_alone, folder)) = begin("sculpting") else { return };
+    let display = Display::start();
+    let (mut studio, file, viewport) = with_brushes(&display, &folder);
+    let [left, top, right, bottom] = viewport;
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
     studio.move_to((left + 60.0, bottom - 60.0));
     let first = studio.screenshot("1_first");
@@ -78,14 +85,8 @@ fn name_file(studio: &mut Studio<'_>, name: &str) {
 #[test]
 fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
     let Some((_alone, folder)) = begin("sculpt_layers") else { return };
-    let file = folder.join("small.lorelei");
-    document::save(&small_groom(), &file).unwrap();
     let display = Display::start();
-    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
-    let opened = studio.wait("the first picture", |state| state["still"] == true);
-    studio.click("tool Sculpt");
-    studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
-    let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
+    let (mut studio, file, [left, top, right, bottom]) = with_brushes(&display, &folder);
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
     studio.drag(1, (x - 20.0, y - 40.0), (x + 100.0, y - 60.0));
     studio.wait("a stroke", |state| n_done(state) == 1);
@@ -128,14 +129,8 @@ fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
 #[test]
 fn a_macro_of_two_strokes_is_played_and_undone_as_one_step() {
     let Some((_alone, folder)) = begin("sculpt_macro") else { return };
-    let file = folder.join("small.lorelei");
-    document::save(&small_groom(), &file).unwrap();
     let display = Display::start();
-    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
-    let opened = studio.wait("the first picture", |state| state["still"] == true);
-    studio.click("tool Sculpt");
-    studio.wait("the hair prepared", |state| state["tool"]["is_ready"] == true);
-    let [left, top, right, bottom] = numbers::<4>(&opened["viewport"]);
+    let (mut studio, file, [left, top, right, bottom]) = with_brushes(&display, &folder);
     let (x, y) = (0.5 * (left + right), 0.5 * (top + bottom));
     studio.command("record a macro");
     studio.wait("a recording", |state| state["kept"]["macro_steps"] == 0);
