@@ -45,6 +45,17 @@ pub fn mean_value_weights(corners: &[Vec3], p: Vec3) -> Vec<f32> {
     w.iter().map(|w| (w / sum) as f32).collect()
 }
 
+/// As [`mean_value_weights`], none below 0: in a face that is not convex mean values can be far below 0, and a strand
+/// with such weights would leave its lock.
+pub fn weights_within(corners: &[Vec3], p: Vec3) -> Vec<f32> {
+    let mut weights = mean_value_weights(corners, p);
+    let sum: f32 = weights.iter().map(|w| w.max(0.0)).sum();
+    for w in &mut weights {
+        *w = w.max(0.0) / sum;
+    }
+    weights
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

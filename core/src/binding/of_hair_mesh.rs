@@ -11,7 +11,7 @@ use crate::clumps::BundleReach;
 use crate::groom::Layer;
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
-use crate::mean_value::mean_value_weights;
+use crate::mean_value::{mean_value_weights, weights_within};
 use crate::roots::{Root, RootSurface};
 use crate::sculpt::planting::Planting;
 
@@ -44,18 +44,8 @@ pub(super) fn bind_hair_mesh(
     let density = Density::new(layer.density().map(|map| &**map).filter(|_| scalp.is_some()), planting.as_ref());
     let n_strands = layer.n_strands.min(MOST_STRANDS) as usize;
     let (scattered, places) = scatter(&surface, (n_strands, layer.count), layer.seed, &density, known, place);
-    // In a face that is not convex mean values can be far below 0: such a strand would leave its lock.
-    let weights: Vec<Vec<f32>> = scattered
-        .par_iter()
-        .map(|(_, root, _)| {
-            let mut weights = mean_value_weights(&corners_of(root), root.position);
-            let sum: f32 = weights.iter().map(|w| w.max(0.0)).sum();
-            for w in &mut weights {
-                *w = w.max(0.0) / sum;
-            }
-            weights
-        })
-        .collect();
+    let weights: Vec<Vec<f32>> =
+        scattered.par_iter().map(|(_, root, _)| weights_within(&corners_of(root), root.position)).collect();
     let mut binding = LayerBinding::with_capacity(guides, scattered.len());
     binding.knots = knots;
     binding.places = Some(places);

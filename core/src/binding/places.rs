@@ -7,7 +7,7 @@ use super::{LayerBinding, PARTED, Place, Scalp, root_layer_normals, spaced_grid,
 use crate::groom::{Head, Layer, Source};
 use crate::guides::{GuideSet, Influence};
 use crate::hair_mesh::HairMesh;
-use crate::mean_value::mean_value_weights;
+use crate::mean_value::weights_within;
 use crate::mesh::TriMesh;
 use crate::mesh_query::MeshQuery;
 use crate::point_grid::PointGrid;
@@ -101,11 +101,7 @@ fn in_hair_mesh(mesh: &HairMesh, needs_normals: bool, places: &mut [Place]) -> I
             let bundle = bundle_of[hit.triangle_idx as usize];
             let face = mesh.face(0, bundle)?;
             let corners: Vec<Vec3> = face.iter().map(|&v| mesh.layers[0].positions[v as usize]).collect();
-            let mut weights = mean_value_weights(&corners, hit.position);
-            let sum: f32 = weights.iter().map(|w| w.max(0.0)).sum();
-            for w in &mut weights {
-                *w = w.max(0.0) / sum;
-            }
+            let weights = weights_within(&corners, hit.position);
             if needs_normals {
                 let normal: Vec3 = face.iter().zip(&weights).map(|(&v, w)| *w * normals[v as usize]).sum();
                 place.normal = normal.normalize_or(place.normal);

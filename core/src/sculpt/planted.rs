@@ -74,7 +74,7 @@ impl PlantPlaces {
             strands.ids = (0..before.n_strands() as u32).collect();
         }
         let known = roots_of(before, |_| true);
-        let shapes = Shapes::new(before, self.spacing);
+        let shapes = Shapes::new(before, &known, self.spacing);
         let n_points = shapes.n_points();
         let mut roots = known.clone();
         let mut in_order = chosen.to_vec();
@@ -127,18 +127,18 @@ struct Shapes<'a> {
     strands: &'a Strands,
     /// Strands that have a shape, and their roots.
     usable: Vec<usize>,
-    roots: Vec<Vec3>,
+    roots: PointGrid<'a>,
     spacing: f32,
     length: f32,
 }
 
 impl<'a> Shapes<'a> {
-    fn new(strands: &'a Strands, spacing: f32) -> Self {
+    /// `roots`: of all strands that have a shape.
+    fn new(strands: &'a Strands, roots: &'a [Vec3], spacing: f32) -> Self {
         let usable: Vec<usize> = (0..strands.n_strands()).filter(|&s| strands.strand(s).len() >= 2).collect();
         let lengths: f32 = usable.iter().map(|&s| polyline_length(strands.strand(s))).sum();
         let length = if usable.is_empty() { FIRST_LENGTH } else { lengths / usable.len() as f32 };
-        let roots = usable.iter().map(|&s| strands.strand(s)[0]).collect();
-        Self { strands, usable, roots, spacing, length }
+        Self { strands, usable, roots: PointGrid::new(roots, spacing.max(0.05)), spacing, length }
     }
 
     /// As many as all the others have, where they have one number of them, so that none need be resampled.
@@ -149,8 +149,7 @@ impl<'a> Shapes<'a> {
 
     fn at(&self, p: Vec3, normal: Vec3, n_points: usize) -> Vec<Vec3> {
         let reach = (NEIGHBOURHOOD.0 * self.spacing).max(NEIGHBOURHOOD.1);
-        let grid = PointGrid::new(&self.roots, self.spacing.max(0.05));
-        let (nearest, n_found) = grid.nearest::<3>(p);
+        let (nearest, n_found) = self.roots.nearest::<3>(p);
         let near: Vec<_> = nearest[..n_found].iter().filter(|(_, squared)| *squared < reach * reach).collect();
         let last = (n_points - 1) as f32;
         if near.is_empty() {

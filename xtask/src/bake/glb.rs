@@ -62,22 +62,9 @@ pub fn to_glb(mesh: &TriMesh, name: &str) -> Vec<u8> {
         );
         let _ = write!(materials, r#"{separator}{{"name":"{}"}}"#, group.name);
     }
-    let mut json = format!(
+    let json = format!(
         r#"{{"asset":{{"version":"2.0","generator":"cargo xtask bake"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"name":"{name}","mesh":0}}],"meshes":[{{"name":"{name}","primitives":[{primitives}]}}],"materials":[{materials}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{{"byteLength":{}}}]}}"#,
         bin.len()
     );
-    while json.len() % 4 != 0 {
-        json.push(' ');
-    }
-    let mut file = Vec::with_capacity(28 + json.len() + bin.len());
-    file.extend_from_slice(b"glTF");
-    for word in [2, (28 + json.len() + bin.len()) as u32, json.len() as u32] {
-        file.extend_from_slice(&word.to_le_bytes());
-    }
-    file.extend_from_slice(b"JSON");
-    file.extend_from_slice(json.as_bytes());
-    file.extend_from_slice(&(bin.len() as u32).to_le_bytes());
-    file.extend_from_slice(b"BIN\0");
-    file.extend_from_slice(&bin);
-    file
+    lorelei_core::io::to_glb(json, &bin)
 }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::polygons::Polygons;
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
+use crate::io::to_glb;
 
 /// The first line of an OBJ file that was written here.
 pub(super) const OBJ_HEAD: &str = "# Lorelei hair mesh, centimetres, Y up";
@@ -200,20 +201,7 @@ pub(super) fn glb(mesh: &HairMesh) -> Result<Vec<u8>, gltf::json::Error> {
         views.join(","),
         blob.len(),
     );
-    while !json.len().is_multiple_of(4) {
-        json.push(' ');
-    }
-    let mut file = Vec::with_capacity(28 + json.len() + blob.len());
-    file.extend_from_slice(b"glTF");
-    for word in [2, (28 + json.len() + blob.len()) as u32, json.len() as u32] {
-        file.extend_from_slice(&word.to_le_bytes());
-    }
-    file.extend_from_slice(b"JSON");
-    file.extend_from_slice(json.as_bytes());
-    file.extend_from_slice(&(blob.len() as u32).to_le_bytes());
-    file.extend_from_slice(b"BIN\0");
-    file.extend_from_slice(&blob);
-    Ok(file)
+    Ok(to_glb(json, &blob))
 }
 
 /// The hair mesh in a glTF's description and binary chunk that were written here; `None` where there is none.
