@@ -79,7 +79,8 @@ fn from_a_bare_head_to_a_bob() {
     studio.type_text("0.5");
     studio.key("Return");
     let moved = studio.wait("a move", |state| {
-        state["steps"].as_array().unwrap().last().unwrap().as_str().unwrap().starts_with("Move")
+        let last = state["steps"].as_array().unwrap().last().unwrap().as_str().unwrap();
+        state["tool"]["holds"] == false && last.starts_with("Move")
     });
     studio.key("g");
     studio.wait("a grab", |state| state["tool"]["holds"] == true);
