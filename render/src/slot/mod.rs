@@ -2,7 +2,9 @@
 //! a variant, a file and an arm; the compiler finds the missing arm.
 
 mod drawing;
-mod shading;
+mod scattering;
+mod shadowing;
 
 pub use drawing::{background, tonemapping, transparency, transparency_in_lanes};
-pub use shading::{environment, lobes, multiple_scattering, scattering, shadowing};
+pub use scattering::{environment, lobes, multiple_scattering, scattering};
+pub use shadowing::shadowing;

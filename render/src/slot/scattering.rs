@@ -1,6 +1,6 @@
-//! The slots of the shading kernel and of whatever else asks what of a light arrives.
+//! The slots of the shading kernel: how fibres scatter.
 
-use lorelei_core::look::{Environment, Look, MultipleScattering, Scattering, Shadowing, Switch};
+use lorelei_core::look::{Environment, Look, MultipleScattering, Scattering, Switch};
 use lorelei_shaders::Link;
 
 /// `lorelei::scattering`: how one fibre scatters.
@@ -45,17 +45,6 @@ pub fn environment(choice: Environment) -> Link<'static> {
         match choice {
             Environment::Constant => "shade_environment_constant",
             Environment::Off => "shade_environment_off",
-        },
-    )
-}
-
-/// `lorelei::shadow`: what of a light arrives, for hair and head alike.
-pub fn shadowing(choice: Shadowing) -> Link<'static> {
-    Link::Slot(
-        "shadow",
-        match choice {
-            Shadowing::DeepOpacity => "shadow_deep_opacity",
-            Shadowing::Off => "shadow_off",
         },
     )
 }

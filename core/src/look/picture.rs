@@ -1,0 +1,109 @@
+//! The head under the hair, what is behind both, and how light becomes a picture.
+
+use serde::{Deserialize, Serialize};
+
+use super::slot::{Choice, ChoiceInfo, Slot, choices, colour, number};
+
+choices! {
+    /// The head under the hair.
+    HeadShading {
+        Skin = "skin", "Skin", "Lit by the same lights, casting on and receiving from hair";
+        Hidden = "hidden", "Hidden", "Hair alone; the head neither covers nor shadows it";
+    }
+}
+choices! {
+    /// From scene light to display.
+    Tonemapping {
+        Agx = "agx", "AgX", "Filmic curve that keeps highlights from skewing in hue (Sobotka's AgX, polynomial fit)";
+        Linear = "linear", "None", "Exposure and clipping only";
+    }
+}
+choices! {
+    /// What is behind head and hair.
+    Background {
+        Gradient = "gradient", "Gradient", "Neutral grey, lighter in the middle";
+        Plain = "plain", "Plain", "One flat grey";
+        Transparent = "transparent", "Transparent", "No background: alpha in the picture";
+    }
+}
+
+pub(super) fn head<'a>(
+    choice: &'a mut HeadShading,
+    skin_colour: &'a mut [f32; 3],
+    skin_gloss: &'a mut f32,
+    skin_softness: &'a mut f32,
+    root_shadow: &'a mut f32,
+) -> Slot<'a> {
+    Slot {
+        key: "head",
+        label: "Head",
+        help: "The head under the hair",
+        choice,
+        params: vec![
+            colour("head.colour", "Skin colour", skin_colour, &["skin"], "Diffuse albedo"),
+            number(
+                "head.gloss",
+                "Gloss",
+                "",
+                (0.0, 4.0),
+                skin_gloss,
+                &["skin"],
+                "Reflection off the surface: 0 is matte, 1 is skin",
+            ),
+            number(
+                "head.softness",
+                "Softness",
+                "cosine",
+                (0.0, 1.0),
+                skin_softness,
+                &["skin"],
+                "How far red light creeps around the border of a light",
+            ),
+            number(
+                "head.root_shadow",
+                "Root shadow",
+                "share",
+                (0.0, 1.0),
+                root_shadow,
+                &["skin"],
+                "Darkens the scalp between the roots of hair",
+            ),
+        ],
+    }
+}
+
+pub(super) fn tonemapping<'a>(choice: &'a mut Tonemapping, exposure: &'a mut f32) -> Slot<'a> {
+    Slot {
+        key: "tonemapping",
+        label: "Tonemapping",
+        help: "From scene light to display",
+        choice,
+        params: vec![number(
+            "tonemapping.exposure",
+            "Exposure",
+            "stops",
+            (-8.0, 8.0),
+            exposure,
+            &[],
+            "Doubles the light with every stop",
+        )],
+    }
+}
+
+pub(super) fn background<'a>(choice: &'a mut Background, background_grey: &'a mut f32) -> Slot<'a> {
+    Slot {
+        key: "background",
+        label: "Background",
+        help: "What is behind head and hair",
+        choice,
+        params: vec![number(
+            "background.grey",
+            "Grey",
+            "display value",
+            (0.0, 1.0),
+            background_grey,
+            &["gradient", "plain"],
+            "Brightness of its middle",
+        )],
+    }
+}
