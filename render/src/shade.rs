@@ -18,15 +18,28 @@ use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
 
-/// Twin of `ShadeLayer`.
+/// Twin of `LayerFibre` in `shade_layers.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-struct LayerUniform {
+struct LayerFibre {
     fibre: Fibre,
     first_vertex: u32,
     first_strand: u32,
-    n_vertices: u32,
+    n_strands: u32,
     vertices_per_strand: u32,
+}
+
+/// What stands in for the slots that `shade_point` asks, for any kernel that shades; what they bind comes from
+/// [`Shade::resources`], [`SceneBuffers::resources`] and [`Shadow::resources`].
+pub fn links(look: &Look) -> Vec<Link<'static>> {
+    let mut links = slot::lobes(look).to_vec();
+    links.extend([
+        slot::scattering(look.scattering),
+        slot::multiple_scattering(look.multiple_scattering),
+        slot::environment(look.environment),
+        slot::shadowing(look.shadowing),
+    ]);
+    links
 }
 
 /// What decides which kernel runs.
@@ -64,7 +77,10 @@ struct BoundTo {
 pub struct Shade {
     kernels: HashMap<Choices, Hot<Kernel>>,
     radiance: wgpu::Buffer,
-    layers: Vec<(wgpu::Buffer, Bindings)>,
+    /// What each drawn layer's fibres are made of, and room for how many layers.
+    fibres: wgpu::Buffer,
+    n_fibres: usize,
+    layers: Vec<Bindings>,
     bound_to: Option<BoundTo>,
     generation: u64,
 }
@@ -74,6 +90,8 @@ impl Shade {
         Self {
             kernels: HashMap::new(),
             radiance: gpu.buffer("shade.radiance", 0, BufferUsages::STORAGE),
+            fibres: gpu.buffer("shade.fibres", 0, BufferUsages::STORAGE),
+            n_fibres: 0,
             layers: Vec::new(),
             bound_to: None,
             generation: 0,
@@ -85,7 +103,13 @@ impl Shade {
         &self.radiance
     }
 
-    /// Changes when [`Shade::radiance`] is another buffer than before.
+    /// What a kernel that calls `shade_point` binds of the shading itself, by name: `fibres` holds the material of every
+    /// drawn layer, see `shade_layers.wgsl`.
+    pub fn resources(&self) -> Vec<(&'static str, wgpu::BindingResource<'_>)> {
+        vec![("fibres", self.fibres.as_entire_binding())]
+    }
+
+    /// Changes when [`Shade::radiance`] or one of [`Shade::resources`] is another than before.
     pub fn generation(&self) -> u64 {
         self.generation
     }
@@ -108,16 +132,7 @@ impl Shade {
         shadow: &Shadow,
     ) -> Result<(), ShaderError> {
         let choices = Choices::of(look);
-        let make = |library: &ShaderLibrary| {
-            let mut links: Vec<Link<'_>> = slot::lobes(look).to_vec();
-            links.extend([
-                slot::scattering(choices.scattering),
-                slot::multiple_scattering(choices.multiple),
-                slot::environment(choices.environment),
-                slot::shadowing(choices.shadowing),
-            ]);
-            library.kernel(gpu, "shade", "shade", &[], &links)
-        };
+        let make = |library: &ShaderLibrary| library.kernel(gpu, "shade", "shade", &[], &links(look));
         let mut is_stale = scene_is_new;
         if let Some(kernel) = self.kernels.get_mut(&choices) {
             is_stale |= kernel.refresh(library, make);
@@ -131,6 +146,14 @@ impl Shade {
             self.generation += 1;
             is_stale = true;
         }
+        if self.n_fibres != strands.layers.len() {
+            self.n_fibres = strands.layers.len();
+            let n_bytes = self.n_fibres * size_of::<LayerFibre>();
+            self.fibres =
+                gpu.buffer_of("shade.fibres", &vec![0u8; n_bytes.max(size_of::<LayerFibre>())], BufferUsages::STORAGE);
+            self.generation += 1;
+            is_stale = true;
+        }
         let bound_to = BoundTo {
             choices,
             strands_generation: strands.generation,
@@ -140,31 +163,33 @@ impl Shade {
         if is_stale || self.bound_to != Some(bound_to) {
             let kernel = &self.kernels[&choices];
             self.layers.clear();
-            for _ in &strands.layers {
-                let uniform = gpu.buffer("shade.layer", size_of::<LayerUniform>() as u64, BufferUsages::UNIFORM);
+            for layer_idx in 0..strands.layers.len() as u32 {
+                let uniform = gpu.buffer_of("shade.layer", &[layer_idx, 0, 0, 0], BufferUsages::UNIFORM);
                 let mut resources = vec![
                     ("shade_layer", uniform.as_entire_binding()),
                     ("vertices", strands.vertices.as_entire_binding()),
                     ("seeds", strands.seeds.as_entire_binding()),
                     ("radiance", self.radiance.as_entire_binding()),
+                    ("fibres", self.fibres.as_entire_binding()),
                 ];
                 resources.extend(scene.resources());
                 resources.extend(shadow.resources());
-                let bindings = kernel.bind_used(gpu, &resources)?;
-                self.layers.push((uniform, bindings));
+                self.layers.push(kernel.bind_used(gpu, &resources)?);
             }
             self.bound_to = Some(bound_to);
         }
-        for (layer, (uniform, _)) in strands.layers.iter().zip(&self.layers) {
-            let contents = LayerUniform {
+        let fibres: Vec<LayerFibre> = strands
+            .layers
+            .iter()
+            .map(|layer| LayerFibre {
                 fibre: Fibre::new(material_of(layer.material), look),
                 first_vertex: layer.first_vertex,
                 first_strand: layer.first_strand,
-                n_vertices: layer.n_strands * layer.vertices_per_strand,
+                n_strands: layer.n_strands,
                 vertices_per_strand: layer.vertices_per_strand,
-            };
-            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(&contents));
-        }
+            })
+            .collect();
+        gpu.queue.write_buffer(&self.fibres, 0, bytemuck::cast_slice(&fibres));
         Ok(())
     }
 
@@ -173,7 +198,7 @@ impl Shade {
         let Some(kernel) = self.bound_to.and_then(|bound_to| self.kernels.get(&bound_to.choices)) else { return };
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shade"), timestamp_writes: None });
-        for (layer, (_, bindings)) in strands.layers.iter().zip(&self.layers) {
+        for (layer, bindings) in strands.layers.iter().zip(&self.layers) {
             if layer.n_strands > 0 {
                 kernel.dispatch_items(&mut pass, bindings, layer.n_strands * layer.vertices_per_strand);
             }

@@ -29,13 +29,15 @@ struct Directions {
     cos_phi: f32,
     theta_h: f32,
     cos_theta_d: f32,
+    sin_phi: f32,
+    h: f32,
 }
 
 const INV_PI: f32 = 0.31830988618379067;
 const TAU: f32 = 6.28318530717958647;
 const TILT_VARIATION: f32 = 2.0;
 
-fn directions(tangent: vec3<f32>, to_light: vec3<f32>, to_eye: vec3<f32>) -> Directions {
+fn directions(tangent: vec3<f32>, to_light: vec3<f32>, to_eye: vec3<f32>, h: f32) -> Directions {
     var d: Directions;
     d.sin_theta_i = clamp(dot(to_light, tangent), -1.0, 1.0);
     d.sin_theta_r = clamp(dot(to_eye, tangent), -1.0, 1.0);
@@ -45,6 +47,8 @@ fn directions(tangent: vec3<f32>, to_light: vec3<f32>, to_eye: vec3<f32>) -> Dir
     let across_r = to_eye - tangent * d.sin_theta_r;
     d.cos_phi = clamp(dot(across_i, across_r) / (d.cos_theta_i * d.cos_theta_r), -1.0, 1.0);
     d.theta_h = atan((d.sin_theta_i + d.sin_theta_r) / (d.cos_theta_i + d.cos_theta_r));
+    d.sin_phi = clamp(dot(across_i, cross(across_r, tangent)) / (d.cos_theta_i * d.cos_theta_r), -1.0, 1.0);
+    d.h = h;
     let cos_difference = d.cos_theta_i * d.cos_theta_r + d.sin_theta_i * d.sin_theta_r;
     d.cos_theta_d = sqrt(max(0.5 + 0.5 * cos_difference, 1e-6));
     return d;

@@ -43,10 +43,18 @@ pub struct Directions {
     pub theta_h: f32,
     /// Cosine of (theta_r - theta_i) / 2.
     pub cos_theta_d: f32,
+    /// Sine of the azimuth from the eye to the light, growing against `h`.
+    pub sin_phi: f32,
+    /// Place across the fibre as the eye sees it, -1 to 1 in radii, growing along cross(tangent, to_eye); [`NO_OFFSET`]:
+    /// the average over the width.
+    pub h: f32,
 }
 
+/// An offset across the fibre that means "averaged over its width": the far field.
+pub const NO_OFFSET: f32 = 2.0;
+
 impl Directions {
-    /// `tangent` points to the tip; `to_light` and `to_eye` away from the fibre. All of unit length.
+    /// The far field. `tangent` points to the tip; `to_light` and `to_eye` away from the fibre. All of unit length.
     pub fn new(tangent: Vec3, to_light: Vec3, to_eye: Vec3) -> Self {
         let sin_theta_i = to_light.dot(tangent).clamp(-1.0, 1.0);
         let sin_theta_r = to_eye.dot(tangent).clamp(-1.0, 1.0);
@@ -57,8 +65,19 @@ impl Directions {
         let across_r = to_eye - tangent * sin_theta_r;
         let cos_phi = (across_i.dot(across_r) / (cos_theta_i * cos_theta_r)).clamp(-1.0, 1.0);
         let theta_h = ((sin_theta_i + sin_theta_r) / (cos_theta_i + cos_theta_r)).atan();
+        let sin_phi = (across_i.dot(across_r.cross(tangent)) / (cos_theta_i * cos_theta_r)).clamp(-1.0, 1.0);
         let cos_difference = cos_theta_i * cos_theta_r + sin_theta_i * sin_theta_r;
         let cos_theta_d = (0.5 + 0.5 * cos_difference).max(1e-6).sqrt();
-        Self { sin_theta_i, cos_theta_i, sin_theta_r, cos_theta_r, cos_phi, theta_h, cos_theta_d }
+        Self {
+            sin_theta_i,
+            cos_theta_i,
+            sin_theta_r,
+            cos_theta_r,
+            cos_phi,
+            theta_h,
+            cos_theta_d,
+            sin_phi,
+            h: NO_OFFSET,
+        }
     }
 }

@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&cases) { return; }
     let c = cases[id.x];
     let fibre = vary(c.fibre, c.seed, c.t);
-    let d = directions(c.tangent, c.to_light, c.to_eye);
+    let d = directions(c.tangent, c.to_light, c.to_eye, 2.0);
     answers[2u * id.x] = vec4<f32>(scatter(spread(fibre, c.tau), d) * through(fibre, volume(fibre), c.tau), 0.0);
     answers[2u * id.x + 1u] = vec4<f32>(multiple(fibre, volume(fibre), c.tangent, c.to_light, c.to_eye, c.tau), 0.0);
 }";
