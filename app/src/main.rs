@@ -1,9 +1,11 @@
 //! Lorelei, a hair studio: the window and the command line.
 
 mod cli;
+mod lettering;
 mod lod_strip;
 mod open;
 mod script;
+mod sheet;
 mod stage;
 mod window;
 

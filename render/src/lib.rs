@@ -20,6 +20,7 @@ pub mod shadow;
 pub mod slot;
 pub mod tonemap;
 pub mod view;
+pub mod white_balance;
 
 pub use bound::Bound;
 pub use frame::FrameInput;

@@ -2,12 +2,38 @@
 
 use std::collections::HashMap;
 
+use bytemuck::{Pod, Zeroable};
+use glam::Mat3;
 use lorelei_core::look::{Background, Look, Tonemapping};
 use lorelei_shaders::{Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::frame::Targets;
 use crate::slot;
+use crate::white_balance;
+
+/// Twin of `ResolveLook`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct ResolveLook {
+    /// Columns of [`picture_from_scene`].
+    picture_from_scene: [[f32; 4]; 3],
+    grey: f32,
+    pad: [f32; 3],
+}
+
+impl ResolveLook {
+    fn new(look: &Look) -> Self {
+        let matrix = picture_from_scene(look);
+        let column = |axis: usize| matrix.col(axis).extend(0.0).to_array();
+        Self { picture_from_scene: [0, 1, 2].map(column), grey: look.background_grey, pad: [0.0; 3] }
+    }
+}
+
+/// Exposure and white balance: what scene light is multiplied with before the tonemapper, linear Rec. 709.
+pub fn picture_from_scene(look: &Look) -> Mat3 {
+    look.exposure.exp2() * white_balance::adaptation(look.white_balance)
+}
 
 /// The last pass.
 pub(crate) struct ResolvePass {
@@ -17,7 +43,10 @@ pub(crate) struct ResolvePass {
 
 impl ResolvePass {
     pub fn new(gpu: &Gpu) -> Self {
-        Self { kernels: HashMap::new(), look: gpu.buffer("resolve.look", 16, BufferUsages::UNIFORM) }
+        Self {
+            kernels: HashMap::new(),
+            look: gpu.buffer("resolve.look", size_of::<ResolveLook>() as u64, BufferUsages::UNIFORM),
+        }
     }
 
     pub fn shader_error(&self) -> Option<&ShaderError> {
@@ -42,8 +71,7 @@ impl ResolvePass {
         } else {
             self.kernels.insert(choices, Hot::new(library, make)?);
         }
-        let numbers = [look.exposure.exp2(), look.background_grey, 0.0, 0.0];
-        gpu.queue.write_buffer(&self.look, 0, bytemuck::cast_slice(&numbers));
+        gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&ResolveLook::new(look)));
         let kernel = &self.kernels[&choices];
         let bindings = kernel.bind(
             gpu,

@@ -1,14 +1,15 @@
-// Hair over head over background, exposed and tonemapped.
+// Hair over head over background, exposed, balanced and tonemapped.
 #import lorelei::camera::{View}
 #import lorelei::tonemap::{display}
 #import lorelei::background::{background}
 
 struct ResolveLook {
-    // 2 to the power of the stops.
-    exposure: f32,
+    // Exposure and white balance, linear Rec. 709.
+    picture_from_scene: mat3x3<f32>,
     grey: f32,
     pad0: f32,
     pad1: f32,
+    pad2: f32,
 }
 
 @group(0) @binding(auto) var<uniform> view: View;
@@ -27,7 +28,7 @@ fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
     let over = front + (1.0 - front.w) * textureLoad(head_colour, id.xy, 0);
     let place = (vec2<f32>(id.xy) + 0.5) / vec2<f32>(view.size);
     let behind = background(place, resolve_look.grey);
-    let scene = display(resolve_look.exposure * over.xyz / max(over.w, 1e-4));
+    let scene = display(resolve_look.picture_from_scene * (over.xyz / max(over.w, 1e-4)));
     let alpha = saturate(over.w);
     // Interleaved gradient noise (Jimenez 2014) below one step of eight bits: no bands in the gradient.
     let noise = fract(52.9829189 * fract(dot(vec2<f32>(id.xy), vec2<f32>(0.06711056, 0.00583715)))) - 0.5;

@@ -11,10 +11,12 @@ mod map;
 mod measure;
 mod read_as;
 mod render;
+mod scene;
 pub mod set;
 mod setup;
+mod sheet;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -66,6 +68,7 @@ Examples:
   lorelei my.lorelei                                   open a groom
   lorelei render --camera side --out side.png          render the default groom
   lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head
+  lorelei sheet --slot shadowing --out shadows.png     every choice of one slot in one picture
   lorelei looks                                        what --set takes
   lorelei convert hair.data hair.usda --up z --unit m  for another program
   lorelei apply a.lorelei --edits e.ron --out b.lorelei  replay edits
@@ -76,6 +79,8 @@ Exit codes: 0 done, 1 the work failed, 2 wrong usage.";
 enum Command {
     /// Render a picture, without a window.
     Render(render::RenderArguments),
+    /// Every choice of one slot of the look in one labelled picture, with what each costs.
+    Sheet(sheet::SheetArguments),
     /// List everything that `--set` takes, with ranges and units.
     Looks(looks::LooksArguments),
     /// Say what is in a file: strands, points, bounds, unit and axis.
@@ -124,6 +129,7 @@ pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
+        Some(Command::Sheet(arguments)) => sheet::run(&arguments),
         Some(Command::Looks(arguments)) => looks::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
         Some(Command::Measure(arguments)) => measure::run(&arguments),
@@ -156,6 +162,21 @@ pub fn run() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// Refuse a picture's name that does not end in .png.
+fn check_png(out: &Path) -> Result<(), CliError> {
+    let extension = out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    if extension.as_deref() == Some("png") {
+        return Ok(());
+    }
+    Err(CliError::Usage(format!("--out {}: let the name end in .png", out.display())))
+}
+
+/// Make the folder that a file is to be written into, where there is none.
+fn make_folder_of(out: &Path) -> Result<(), CliError> {
+    let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) else { return Ok(()) };
+    std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))
 }
 
 /// Write a line of results to stdout. A reader that went away (`| head`) is no failure.

@@ -1,20 +1,18 @@
 //! `lorelei render`: one picture without a window, and what it cost.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use lorelei_core::camera::Camera;
-use lorelei_core::groom::{Groom, Layer, Source};
-use lorelei_core::io::{Watch, write_atomically};
-use lorelei_core::lod::LodChoice;
+use lorelei_core::groom::Groom;
+use lorelei_core::io::write_atomically;
 use lorelei_core::look::Choice;
 use lorelei_core::motion::Motion;
 use lorelei_shaders::Gpu;
 use serde_json::json;
 
-use super::read_as::ReadAs;
-use super::{CliError, print_line, set, setup};
-use crate::open;
+use super::scene::{Scene, SceneArguments};
+use super::{CliError, check_png, make_folder_of, print_line};
 use crate::stage::pacer::Detail;
 use crate::stage::{Playback, Stage, bounds_of};
 
@@ -32,35 +30,11 @@ Centimetres, Y up, +Z front, colours linear."#;
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = AFTER_HELP)]
 pub struct RenderArguments {
-    /// A groom or hair: .lorelei, .hair, .tfx, .data, .bin, .ply; or an embedded style: long, bob, curls,
-    /// crop, ponytail, bun, braid, knot.
-    /// Without it: long.
-    file: Option<PathBuf>,
-    /// The head that the hair belongs to: .obj, .glb, .gltf, .ply.
-    #[arg(long, value_name = "MESH")]
-    head: Option<PathBuf>,
+    #[command(flatten)]
+    scene: SceneArguments,
     /// Size of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: [u32; 2],
-    /// front, side, back, three-quarter, top, or AZ,EL,DIST: degrees around (0 front, 90 the model's left) and up,
-    /// and centimetres from the middle. Without DIST (AZ,EL) all of it fills the picture.
-    #[arg(long, default_value = "three-quarter", value_parser = parse_view, allow_hyphen_values = true)]
-    camera: View,
-    #[command(flatten)]
-    read_as: ReadAs,
-    /// Camera and lights from a file; --camera then only counts where the file has none.
-    #[arg(long, value_name = "FILE.ron")]
-    setup: Option<PathBuf>,
-    /// Level of detail: off (the finest), auto (by size in the picture), or a level such as 1.5, between two of them.
-    #[arg(long, value_name = "LEVEL", value_parser = parse_lod)]
-    lod: Option<LodChoice>,
-    /// Strands in all, shared out over the layers as they are now.
-    #[arg(long, value_name = "N")]
-    strands: Option<u32>,
-    /// A choice or a number of the look, the fibre (hair.*), the layers (layer.*, style.*) or movement (sim.*):
-    /// `lorelei looks` lists them.
-    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
-    assignments: Vec<(String, String)>,
     /// Let the head move before the picture: none, turn, nod, shake.
     #[arg(long, value_name = "NAME", value_parser = parse_motion, requires = "seconds")]
     motion: Option<Motion>,
@@ -121,17 +95,6 @@ pub(super) fn parse_view(text: &str) -> Result<View, String> {
     }
 }
 
-fn parse_lod(text: &str) -> Result<LodChoice, String> {
-    match text {
-        "off" => Ok(LodChoice::Finest),
-        "auto" => Ok(LodChoice::Automatic),
-        _ => {
-            let level = text.parse::<f32>().ok().filter(|level| (0.0..8.0).contains(level));
-            level.map(LodChoice::Level).ok_or_else(|| "off, auto, or a level from 0 on".to_owned())
-        }
-    }
-}
-
 fn parse_motion(text: &str) -> Result<Motion, String> {
     let found = Motion::ALL.iter().find(|motion| motion.info().name == text);
     let names: Vec<&str> = Motion::ALL.iter().map(|motion| motion.info().name).collect();
@@ -144,23 +107,8 @@ fn parse_seconds(text: &str) -> Result<f32, String> {
 }
 
 pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
-    let extension = arguments.out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    if extension.as_deref() != Some("png") {
-        return Err(CliError::Usage(format!("--out {}: let the name end in .png", arguments.out.display())));
-    }
-    let (mut groom, warnings) = groom_of(arguments.file.as_deref(), arguments.head.as_deref(), arguments.read_as)?;
-    set::apply(&mut groom, &arguments.assignments)?;
-    if let Some(n_strands) = arguments.strands {
-        set_strand_count(&mut groom, n_strands);
-    }
-    if let Some(choice) = arguments.lod {
-        groom.lod.choice = choice;
-    }
-    let setup = arguments.setup.as_deref().map(setup::read).transpose()?.unwrap_or_default();
-    if let Some(lights) = setup.lights {
-        groom.lights = lights;
-    }
-    let camera = setup.camera.unwrap_or_else(|| camera_of(&groom, arguments.camera, arguments.size));
+    check_png(&arguments.out)?;
+    let Scene { groom, camera, mut warnings } = arguments.scene.read(arguments.size)?;
 
     let start = Instant::now();
     let gpu = Gpu::headless().map_err(CliError::failed)?;
@@ -168,7 +116,6 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     let mut stage = Stage::new(gpu).map_err(CliError::failed)?;
     let compile_ms = ms_since(start);
     let start = Instant::now();
-    let mut warnings = warnings;
     warnings.extend(stage.set_groom(&groom).map_err(CliError::failed)?);
     let prepare_ms = ms_since(start);
     if !arguments.json {
@@ -210,9 +157,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         pass_times.push(stage.pass_times());
     }
     let picture = stage.read_pixels().map_err(CliError::failed)?;
-    if let Some(folder) = arguments.out.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))?;
-    }
+    make_folder_of(&arguments.out)?;
     write_atomically(&arguments.out, |file| {
         picture.write_to(file, image::ImageFormat::Png).map_err(std::io::Error::other)
     })
@@ -249,37 +194,6 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         statistics.n_vertices,
         adapter.name
     ))
-}
-
-/// The groom to render, and what is to be said about it.
-fn groom_of(file: Option<&Path>, head: Option<&Path>, read_as: ReadAs) -> Result<(Groom, Vec<String>), CliError> {
-    let Some(file) = file else {
-        let mut groom = lorelei_assets::default_groom();
-        let put_on = |head| open::put_on(&mut groom, head, Watch::default()).map_err(CliError::failed);
-        let warnings = head.map(put_on).transpose()?.unwrap_or_default();
-        return Ok((groom, warnings));
-    };
-    match open::open(file, head, read_as.options(), Watch::default()) {
-        Ok(opened) => Ok((opened.groom, opened.notes)),
-        Err(why @ open::OpenError::IsMesh(_)) => Err(CliError::Usage(why.to_string())),
-        Err(why) => Err(CliError::failed(why)),
-    }
-}
-
-/// Share `n_strands` out over the visible layers in proportion to what they have. Imported strands are as
-/// many as they are: of them fewer are drawn by the level of detail.
-fn set_strand_count(groom: &mut Groom, n_strands: u32) {
-    let n_now = groom.n_strands().max(1) as f64;
-    let share = f64::from(n_strands) / n_now;
-    let are_fixed = groom.layers.iter().all(|layer| matches!(layer.source, Source::Strands(_)));
-    if are_fixed {
-        groom.look.lod = (share as f32).clamp(0.0, 1.0);
-        return;
-    }
-    let is_counted = |layer: &&mut Layer| layer.visible && !matches!(layer.source, Source::Strands(_));
-    for layer in groom.layers.iter_mut().filter(is_counted) {
-        layer.n_strands = ((f64::from(layer.n_strands) * share).round() as u32).max(1);
-    }
 }
 
 pub(super) fn camera_of(groom: &Groom, view: View, size: [u32; 2]) -> Camera {
@@ -320,6 +234,7 @@ fn pass_medians(frames: &[Vec<(String, f32)>]) -> Vec<(String, f32)> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::setup;
     use super::*;
 
     #[test]

@@ -13,7 +13,7 @@ mod slot;
 use serde::{Deserialize, Serialize};
 
 pub use drawing::{Primitive, Transparency};
-pub use picture::{Background, HeadShading, Tonemapping};
+pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
 pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scattering};
 pub use shadowing::{DeepOpacityParams, Shadowing};
 pub(crate) use slot::choices;
@@ -55,6 +55,7 @@ pub struct Look {
     pub tonemapping: Tonemapping,
     /// Stops.
     pub exposure: f32,
+    pub white_balance: WhiteBalance,
     pub background: Background,
     /// Display value 0-1 of the background's middle; not tonemapped.
     pub background_grey: f32,
@@ -89,6 +90,7 @@ impl Default for Look {
             root_shadow: 0.7,
             tonemapping: Tonemapping::Agx,
             exposure: 0.0,
+            white_balance: WhiteBalance::NEUTRAL,
             background: Background::Gradient,
             background_grey: 0.28,
             lod: 1.0,
@@ -120,7 +122,7 @@ impl Look {
                 &mut self.skin_softness,
                 &mut self.root_shadow,
             ),
-            picture::tonemapping(&mut self.tonemapping, &mut self.exposure),
+            picture::tonemapping(&mut self.tonemapping, &mut self.exposure, &mut self.white_balance),
             picture::background(&mut self.background, &mut self.background_grey),
         ]
     }

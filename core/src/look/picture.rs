@@ -27,6 +27,27 @@ choices! {
     }
 }
 
+/// Which light is to look white.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct WhiteBalance {
+    /// Of a black body, kelvin; 6500 is what scene colours are white in.
+    pub temperature_k: f32,
+    /// Off the black bodies, -1 to 1: light that is greener above 0, and that makes the picture more magenta.
+    pub tint: f32,
+}
+
+impl WhiteBalance {
+    /// The picture as it is.
+    pub const NEUTRAL: Self = Self { temperature_k: 6500.0, tint: 0.0 };
+}
+
+impl Default for WhiteBalance {
+    fn default() -> Self {
+        Self::NEUTRAL
+    }
+}
+
 pub(super) fn head<'a>(
     choice: &'a mut HeadShading,
     skin_colour: &'a mut [f32; 3],
@@ -72,21 +93,45 @@ pub(super) fn head<'a>(
     }
 }
 
-pub(super) fn tonemapping<'a>(choice: &'a mut Tonemapping, exposure: &'a mut f32) -> Slot<'a> {
+pub(super) fn tonemapping<'a>(
+    choice: &'a mut Tonemapping,
+    exposure: &'a mut f32,
+    white: &'a mut WhiteBalance,
+) -> Slot<'a> {
     Slot {
         key: "tonemapping",
         label: "Tonemapping",
         help: "From scene light to display",
         choice,
-        params: vec![number(
-            "tonemapping.exposure",
-            "Exposure",
-            "stops",
-            (-8.0, 8.0),
-            exposure,
-            &[],
-            "Doubles the light with every stop",
-        )],
+        params: vec![
+            number(
+                "tonemapping.exposure",
+                "Exposure",
+                "stops",
+                (-8.0, 8.0),
+                exposure,
+                &[],
+                "Doubles the light with every stop",
+            ),
+            number(
+                "tonemapping.temperature",
+                "Temperature",
+                "K",
+                (2000.0, 15_000.0),
+                &mut white.temperature_k,
+                &[],
+                "Of the light that is to look white: higher makes the picture warmer, 6500 leaves it as it is",
+            ),
+            number(
+                "tonemapping.tint",
+                "Tint",
+                "",
+                (-1.0, 1.0),
+                &mut white.tint,
+                &[],
+                "Takes green out of the picture, or magenta below 0",
+            ),
+        ],
     }
 }
 
