@@ -26,7 +26,7 @@ struct HeadLook {
     softness: f32,
     roots: f32,
     overlay: f32,
-    pad: f32,
+    supersampling: u32,
 }
 
 struct Mesh {
@@ -56,6 +56,8 @@ pub(crate) struct HeadInput<'a> {
     pub has_hair: bool,
     pub view: &'a wgpu::Buffer,
     pub tile_backs: &'a wgpu::Buffer,
+    /// Pixels of the rasteriser for one of the head, along a side.
+    pub supersampling: u32,
     /// The rasteriser's tiles.
     pub tile_slot: Link<'static>,
     pub targets: &'a Targets,
@@ -127,7 +129,7 @@ impl HeadPass {
             softness: input.look.skin_softness,
             roots: if input.has_hair { input.look.root_shadow } else { 0.0 },
             overlay: self.overlay.shown().map_or(0.0, |overlay| 255.0 / f32::from(overlay.full_texel.max(1))),
-            pad: 0.0,
+            supersampling: input.supersampling,
         };
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&uniform));
 

@@ -31,7 +31,8 @@ pub struct SceneUniform {
     pub eye: [f32; 3],
     pub n_lights: u32,
     pub environment: [f32; 3],
-    pad: f32,
+    /// 0-1: of a fibre itself, times the share of a pixel that it covers.
+    pub opacity: f32,
 }
 
 /// Points that stand for a side of a rectangular light: 2 x 2 of them are enough for highlights, and their four shadow
@@ -119,7 +120,7 @@ impl SceneBuffers {
             eye: eye.to_array(),
             n_lights: lights.lights.len() as u32,
             environment: environment.to_array(),
-            pad: 0.0,
+            opacity: look.drawing.opacity,
         };
         gpu.queue.write_buffer(&self.scene, 0, bytemuck::bytes_of(&uniform));
         gpu.queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&lights.lights));

@@ -79,4 +79,16 @@ impl Draw {
         self.set(pass, bindings);
         pass.draw(0..n_vertices, 0..1);
     }
+
+    /// Record a draw whose counts (vertices, instances, first vertex, first instance: four `u32`) are in a buffer.
+    pub fn draw_indirect(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        bindings: &Bindings,
+        counts: &wgpu::Buffer,
+        offset: u64,
+    ) {
+        self.set(pass, bindings);
+        pass.draw_indirect(counts, offset);
+    }
 }

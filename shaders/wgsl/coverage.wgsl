@@ -72,3 +72,9 @@ fn strip_coverage(strip: Strip, place: vec2<f32>, t: f32) -> f32 {
     let tip = saturate((place.x - strip.length) * strip.per_a + 0.5);
     return across * (root - tip);
 }
+
+// Whether a place (along the strip, across it) is inside. Half open, so that two segments of a strand share none.
+fn is_inside(strip: Strip, place: vec2<f32>) -> bool {
+    let half_width = mix(strip.half_widths.x, strip.half_widths.y, saturate(place.x * strip.per_length));
+    return place.x >= 0.0 && place.x < strip.length && abs(place.y) <= half_width;
+}

@@ -19,7 +19,8 @@ struct HeadLook {
     roots: f32,
     // How many times a painted map's texels are scaled up to be shown; 0: none is shown.
     overlay: f32,
-    pad: f32,
+    // Pixels of the rasteriser for one of the head, along a side.
+    supersampling: u32,
 }
 
 @group(0) @binding(auto) var<uniform> view: View;
@@ -103,24 +104,31 @@ fn shade_head(
         return;
     }
     var sum = 0.0;
-    var n = 0.0;
+    var n_hit = 0.0;
     for (var k = 0; k < 4; k++) {
         let sample = textureLoad(head_samples, id.xy, k);
         if sample < 1.0 {
             // The inverse of a perspective with depth 0 at `near` and 1 at `far`.
             sum += view.near * view.far / (view.far - sample * (view.far - view.near));
-            n += 1.0;
+            n_hit += 1.0;
         }
     }
-    let depth = select(NO_HEAD, sum / max(n, 1.0), n > 0.0);
+    let depth = select(NO_HEAD, sum / max(n_hit, 1.0), n_hit > 0.0);
     textureStore(head_depth, id.xy, vec4<f32>(depth));
-    let back = bitcast<u32>(select(NO_HEAD, depth, n == 4.0));
-    let tile = id.xy / u32(TILE);
-    let tile_idx = tile.y * ((view.size.x + u32(TILE) - 1u) / u32(TILE)) + tile.x;
-    if back > atomicLoad(&tile_backs[tile_idx]) {
-        atomicMax(&tile_backs[tile_idx], back);
+    let back = bitcast<u32>(select(NO_HEAD, depth, n_hit == 4.0));
+    let n = head_look.supersampling;
+    let n_columns = (view.size.x * n + u32(TILE) - 1u) / u32(TILE);
+    let first = id.xy * n / u32(TILE);
+    let last = (id.xy * n + n - 1u) / u32(TILE);
+    for (var row = first.y; row <= last.y; row++) {
+        for (var column = first.x; column <= last.x; column++) {
+            let tile_idx = row * n_columns + column;
+            if back > atomicLoad(&tile_backs[tile_idx]) {
+                atomicMax(&tile_backs[tile_idx], back);
+            }
+        }
     }
-    if n == 0.0 {
+    if n_hit == 0.0 {
         textureStore(head_colour, id.xy, vec4<f32>(0.0));
         return;
     }
@@ -129,7 +137,7 @@ fn shade_head(
     let rotation = transpose(mat3x3<f32>(view.view_from_world[0].xyz, view.view_from_world[1].xyz, view.view_from_world[2].xyz));
     let position = view.eye + depth * (rotation * vec3<f32>(off.x, -off.y, -1.0));
     let resolved = textureLoad(head_normal, id.xy, 0);
-    let coverage = 0.25 * n;
+    let coverage = 0.25 * n_hit;
     let normal = resolved.xyz * inverseSqrt(max(dot(resolved.xyz, resolved.xyz), 1e-12));
     let w = resolved.w / coverage;
     if head_look.overlay > 0.0 && w > 0.5 {

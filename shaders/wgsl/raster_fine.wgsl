@@ -6,9 +6,12 @@
 #import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::tile::{TILE, N_PIXELS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_of, bucket_end}
-#import lorelei::coverage::{strip_of, strip_coverage}
-#import lorelei::blend::{Blend, BlendScale, N_OPEN, N_STEP, N_WALKS, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
-#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, unpacked, VERTEX}
+#import lorelei::coverage::{Strip, strip_of, strip_coverage, is_inside}
+#import lorelei::cover::{N_SAMPLES, sample_offset, settled}
+#import lorelei::radiance::{fibre_radiance}
+#import lorelei::hash::{combine, unit}
+#import lorelei::raster_blend::{Blend, BlendScale, N_OPEN, N_STEP, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, VERTEX}
 
 const SIDE: i32 = i32(TILE);
 // Threads that share a segment.
@@ -21,13 +24,26 @@ var<workgroup> nearest_surface: atomic<u32>;
 // Pixels that are not done: for each column a bit of each row, then for each row a bit of each column.
 var<workgroup> open_pixels: array<atomic<u32>, 2u * u32(TILE)>;
 
+// Share of a pixel that a strip covers, as the antialiasing has it.
+fn covered(strip: Strip, place: vec2<f32>, t: f32, u: vec2<f32>, at: u32, tile_origin: vec2<f32>) -> f32 {
+    if N_SAMPLES == 0u {
+        let pixel = vec2<u32>(tile_origin) + vec2<u32>(at % u32(SIDE), at / u32(SIDE));
+        return settled(strip_coverage(strip, place, t), unit(combine(pixel.x, pixel.y)));
+    }
+    var n = 0.0;
+    for (var k = 0u; k < N_SAMPLES; k++) {
+        let d = sample_offset(k);
+        let sampled = place + vec2<f32>(dot(d, u), d.y * u.x - d.x * u.y);
+        n += select(0.0, 1.0, is_inside(strip, sampled));
+    }
+    return n / f32(max(N_SAMPLES, 1u));
+}
+
 // A segment's fragments in the tile, column by column along its longer axis ("columns" are rows where it is steep).
-fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u32, front: f32, tile_origin: vec2<f32>) {
+fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32, tile_origin: vec2<f32>) {
     let vertex = entry & VERTEX;
     let line = lines[vertex];
     let span = spans[vertex];
-    let fibre_a = unpacked(vertex);
-    let fibre_step = unpacked(vertex + 1u) - fibre_a;
     let strip = strip_of(line.zw, span.x, unpack2x16float(bitcast<u32>(span.w)));
     let can_be_hidden = max(span.y, span.z) > bitcast<f32>(atomicLoad(&nearest_surface));
     let is_steep = abs(line.w) > abs(line.z);
@@ -60,9 +76,14 @@ fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u
             let y = f32(row) + 0.5 - origin.y;
             let place = vec2<f32>(x * u.x + y * u.y, y * u.x - x * u.y);
             let t = saturate(place.x * strip.per_length);
-            let fibre = fibre_a + t * fibre_step;
-            let coverage = strip_coverage(strip, place, t) * fibre.w;
             let at = u32(column) * strides.x + row * strides.y;
+            let area = covered(strip, place, t, u, at, tile_origin);
+            if area <= 0.0 {
+                continue;
+            }
+            let half_width = mix(strip.half_widths.x, strip.half_widths.y, t);
+            let fibre = fibre_radiance(vertex, t, clamp(place.y / max(half_width, 1e-6), -1.0, 1.0));
+            let coverage = area * fibre.w;
             let depth = mix(span.y, span.z, t);
             var open = 1.0;
             if can_be_hidden {
@@ -71,7 +92,7 @@ fn walk(entry: u32, part: u32, walk_idx: u32, scale: BlendScale, first_bucket: u
             }
             if coverage * open > 0.0 {
                 let bucket = clamp(bucket_of(depth - front), first_bucket, first_bucket + N_OPEN - 1u);
-                blend_add(walk_idx, scale, bucket, at, coverage, open, depth, fibre.xyz);
+                blend_add(scale, bucket, at, coverage, open, depth, fibre.xyz);
             }
         }
     }
@@ -103,7 +124,7 @@ fn fine(
     workgroupBarrier();
     var surface = vec2<f32>(0.0);
     if is_inside {
-        surface = vec2<f32>(textureLoad(head_depth, pixel, 0).x, 1.0 - textureLoad(head_colour, pixel, 0).w);
+        surface = vec2<f32>(textureLoad(head_depth, pixel / raster.supersampling, 0).x, 1.0 - textureLoad(head_colour, pixel / raster.supersampling, 0).w);
         atomicMin(&nearest_surface, bitcast<u32>(surface.x));
     }
     surfaces[local_idx] = surface;
@@ -121,11 +142,9 @@ fn fine(
             continue;
         }
         is_idle = end == first;
-        for (var walk_idx = 0u; walk_idx < N_WALKS; walk_idx++) {
-            workgroupBarrier();
-            for (var k = first + local_idx / N_PARTS; k < end; k += N_PIXELS / N_PARTS) {
-                walk(entries[k], local_idx % N_PARTS, walk_idx, scale, bucket, front, tile_origin);
-            }
+        workgroupBarrier();
+        for (var k = first + local_idx / N_PARTS; k < end; k += N_PIXELS / N_PARTS) {
+            walk(entries[k], local_idx % N_PARTS, scale, bucket, front, tile_origin);
         }
         workgroupBarrier();
         blend_close(&blend, scale, bucket, local_idx, front + bucket_end(bucket + N_STEP - 1u));

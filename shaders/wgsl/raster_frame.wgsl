@@ -21,8 +21,9 @@ struct RasterFrame {
     sample_step: u32,
     // Of the bins that the front is found with.
     bins_per_cm: f32,
-    pad_a: u32,
-    pad_b: u32,
+    // Pixels drawn for one of the picture, along a side.
+    supersampling: u32,
+    pad: u32,
 }
 
 struct RasterLayer {

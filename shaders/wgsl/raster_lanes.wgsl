@@ -10,7 +10,7 @@
 #import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_end}
 #import lorelei::coverage::{strip_of, thin_across, wide_across}
-#import lorelei::lane_blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
+#import lorelei::raster_lane_blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
 #import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, unpacked, VERTEX}
 
 const SIDE: u32 = 8u;
@@ -122,7 +122,7 @@ fn close(rows: ptr<function, Rows>, end: f32) -> bool {
 
 fn surface_at(pixel: vec2<u32>) -> vec2<f32> {
     // Pixels beyond the picture are drawn and thrown away.
-    let inside = min(pixel, raster.view.size - 1u);
+    let inside = min(pixel, raster.view.size - 1u) / raster.supersampling;
     return vec2<f32>(textureLoad(head_depth, inside, 0).x, 1.0 - textureLoad(head_colour, inside, 0).w);
 }
 

@@ -1,91 +1,74 @@
-// Camera-facing strips, one quad a segment, drawn from back to front and blended over each other.
-//
-// A strip thinner than a pixel is drawn a pixel wide and its alpha carries the width: the strip's exact overlap with a
-// pixel-wide box across it. Summed over the pixels, that is the strip's projected area.
-#import lorelei::camera::{View, project}
+// Strips or lines in the order of a list, blended over each other from back to front.
+#import lorelei::raster_frame::{raster}
+#import lorelei::cover::{N_SAMPLES, sample_offset, settled}
+#import lorelei::fragment_of_strip::{fragment_of, dither_of, owner_of}
+#import lorelei::raster_frame::{raster_layers}
+#import lorelei::ribbon_strip::{Corner, strip_corner, line_end, vertices}
 
-@group(0) @binding(auto) var<uniform> view: View;
-@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read> radiance: array<vec2<u32>>;
-// Segments from back to front, see ribbons_sort.wgsl.
+// First vertices of segments from back to front, NOTHING where there is none: see ribbons_keys.wgsl.
 @group(0) @binding(auto) var<storage, read> order: array<u32>;
-// View depth in centimetres of the head, and the share of the pixel that it covers.
-@group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
 
-// 1: every fragment is opaque.
-override OPAQUE: u32 = 0u;
+const NOTHING: u32 = 0xFFFFFFFFu;
 
-const FIRST: u32 = 0x80000000u;
-const LAST: u32 = 0x40000000u;
-const INDEX: u32 = 0x3fffffffu;
-
-struct Corner {
-    @builtin(position) position: vec4<f32>,
-    @location(0) radiance: vec4<f32>,
-    // Pixels across the strip, from its middle; not in perspective, so that it is measured on the screen.
-    @location(1) @interpolate(linear) across: f32,
-    @location(2) @interpolate(linear) half_width: f32,
-    @location(3) depth: f32,
+fn nowhere() -> Corner {
+    var out: Corner;
+    out.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
+    return out;
 }
 
-fn safe_direction(start: vec2<f32>, end: vec2<f32>) -> vec2<f32> {
-    let step = end - start;
-    let n = length(step);
-    return select(vec2<f32>(1.0, 0.0), step / n, n > 1e-6);
+fn is_tip(vertex: u32) -> bool {
+    for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
+        let layer = raster_layers[layer_idx];
+        let idx = vertex - layer.first_vertex;
+        if vertex >= layer.first_vertex && idx < layer.n_strands * layer.vertices_per_strand {
+            return idx % layer.vertices_per_strand == layer.vertices_per_strand - 1u;
+        }
+    }
+    return true;
 }
 
 @vertex
 fn strip(@builtin(vertex_index) vertex_idx: u32) -> Corner {
-    let packed = order[vertex_idx / 6u];
-    let a = packed & INDEX;
-    // Two triangles of a quad: which end of the segment, and which side of it.
-    let k = vertex_idx % 6u;
-    let end = select(0u, 1u, k == 2u || k == 3u || k == 5u);
-    let side = select(-1.0, 1.0, k == 1u || k == 4u || k == 5u);
-    let here = vertices[a + end];
-    let pa = project(view, vertices[a].xyz);
-    let pb = project(view, vertices[a + 1u].xyz);
-    let along = safe_direction(pa.xy, pb.xy);
-    // Compute the mitre: at a joint the strip turns half way to the neighbouring segment, so that quads meet edge on edge.
-    var tangent = along;
-    if end == 0u && (packed & FIRST) == 0u {
-        tangent = normalize(along + safe_direction(project(view, vertices[a - 1u].xyz).xy, pa.xy) + 1e-6 * along);
+    let a = order[vertex_idx / 6u];
+    if a == NOTHING {
+        return nowhere();
     }
-    if end == 1u && (packed & LAST) == 0u {
-        tangent = normalize(along + safe_direction(pb.xy, project(view, vertices[a + 2u].xyz).xy) + 1e-6 * along);
+    return strip_corner(raster.view, a, owner_of(a).y == 0u, is_tip(a + 1u), vertex_idx % 6u);
+}
+
+@vertex
+fn line(@builtin(vertex_index) vertex_idx: u32) -> Corner {
+    let a = order[vertex_idx / 2u];
+    if a == NOTHING {
+        return nowhere();
     }
-    // A sharp turn would send the mitre's corner far away.
-    let stretch = 1.0 / max(dot(tangent, along), 0.5);
-    let normal = vec2<f32>(-tangent.y, tangent.x);
-    let p = select(pa, pb, end == 1u);
-    let half_width = here.w * view.pixels_per_tangent / p.z;
-    let reach = max(half_width, 0.5) + 0.5;
-    let at = p.xy + normal * (side * reach * stretch);
-    let in_front = pa.z > view.near && pb.z > view.near;
-    let ndc = vec2<f32>(at.x / f32(view.size.x) * 2.0 - 1.0, 1.0 - at.y / f32(view.size.y) * 2.0);
-    var out: Corner;
-    out.position = select(vec4<f32>(2.0, 2.0, 2.0, 1.0), vec4<f32>(ndc, 0.5, 1.0), in_front);
-    let colour = radiance[a + end];
-    out.radiance = vec4<f32>(unpack2x16float(colour.x), unpack2x16float(colour.y));
-    out.across = side * reach;
-    out.half_width = half_width;
-    out.depth = p.z;
-    return out;
+    return line_end(raster.view, a, vertex_idx % 2u);
+}
+
+fn blended(in: Corner, area: f32) -> vec4<f32> {
+    let segment_cm = distance(vertices[in.vertex].xyz, vertices[in.vertex + 1u].xyz);
+    let h = clamp(in.across / max(in.half_width, 1e-6), -1.0, 1.0);
+    let fragment = fragment_of(in.vertex, in.t, h, segment_cm, vec2<u32>(in.position.xy), in.depth, area, 1u);
+    return fragment.alpha * vec4<f32>(fragment.colour, 1.0);
 }
 
 @fragment
-fn shade(in: Corner) -> @location(0) vec4<f32> {
-    let pixel = vec2<i32>(in.position.xy);
-    var coverage = clamp(min(in.across + 0.5, in.half_width) - max(in.across - 0.5, -in.half_width), 0.0, 1.0);
-    if OPAQUE == 1u {
-        if abs(in.across) > max(in.half_width, 0.5) {
-            discard;
+fn strip_fragment(in: Corner) -> @location(0) vec4<f32> {
+    let slope = vec2<f32>(dpdx(in.across), dpdy(in.across));
+    var area = clamp(min(in.across + 0.5, in.half_width) - max(in.across - 0.5, -in.half_width), 0.0, 1.0);
+    if N_SAMPLES == 0u {
+        area = settled(area, dither_of(vec2<u32>(in.position.xy)));
+    } else {
+        var n = 0.0;
+        for (var k = 0u; k < N_SAMPLES; k++) {
+            n += select(0.0, 1.0, abs(in.across + dot(slope, sample_offset(k))) <= in.half_width);
         }
-        coverage = 1.0;
+        area = n / f32(max(N_SAMPLES, 1u));
     }
-    let behind = in.depth > textureLoad(head_depth, pixel, 0).x;
-    let open = select(1.0, 1.0 - textureLoad(head_colour, pixel, 0).a, behind);
-    let alpha = coverage * in.radiance.a * open;
-    return vec4<f32>(in.radiance.rgb * alpha, alpha);
+    return blended(in, area);
+}
+
+@fragment
+fn line_fragment(in: Corner) -> @location(0) vec4<f32> {
+    return blended(in, settled(saturate(2.0 * in.half_width), dither_of(vec2<u32>(in.position.xy))));
 }

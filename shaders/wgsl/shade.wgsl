@@ -39,5 +39,5 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
 
     // Half floats end at 65,504.
     let clipped = min(l, vec3<f32>(60000.0));
-    radiance[vertex] = vec2<u32>(pack2x16float(clipped.xy), pack2x16float(vec2<f32>(clipped.z, 1.0)));
+    radiance[vertex] = vec2<u32>(pack2x16float(clipped.xy), pack2x16float(vec2<f32>(clipped.z, scene.opacity)));
 }

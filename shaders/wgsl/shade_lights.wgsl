@@ -18,7 +18,8 @@ struct Scene {
     n_lights: u32,
     // Radiance from every direction, 0 where the environment is off.
     environment: vec3<f32>,
-    pad: f32,
+    // Of a fibre itself.
+    opacity: f32,
 }
 
 @group(0) @binding(auto) var<uniform> scene: Scene;

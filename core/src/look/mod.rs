@@ -12,7 +12,7 @@ mod slot;
 
 use serde::{Deserialize, Serialize};
 
-pub use drawing::{Primitive, Transparency};
+pub use drawing::{Antialiasing, DrawingParams, Primitive, ShadingRate, Transparency};
 pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
 pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scattering};
 pub use shadowing::{DeepOpacityParams, Shadowing};
@@ -24,7 +24,10 @@ pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot,
 #[serde(default)]
 pub struct Look {
     pub primitive: Primitive,
+    pub antialiasing: Antialiasing,
     pub transparency: Transparency,
+    pub drawing: DrawingParams,
+    pub shading_rate: ShadingRate,
     pub scattering: Scattering,
     /// Weights of the lobes where they are on.
     pub lobe_r: Switch,
@@ -67,7 +70,10 @@ impl Default for Look {
     fn default() -> Self {
         Self {
             primitive: Primitive::Compute,
+            antialiasing: Antialiasing::Analytic,
             transparency: Transparency::FrontToBack,
+            drawing: DrawingParams::default(),
+            shading_rate: ShadingRate::PerVertex,
             scattering: Scattering::Marschner,
             lobe_r: Switch::On,
             lobe_tt: Switch::On,
@@ -103,7 +109,9 @@ impl Look {
     pub fn slots(&mut self) -> Vec<Slot<'_>> {
         vec![
             drawing::primitive(&mut self.primitive, &mut self.lod),
-            drawing::transparency(&mut self.transparency),
+            drawing::antialiasing(&mut self.antialiasing),
+            drawing::transparency(&mut self.transparency, &mut self.drawing),
+            drawing::shading_rate(&mut self.shading_rate),
             scattering::scattering(&mut self.scattering, &mut self.kajiya_kay),
             scattering::lobe_r(&mut self.lobe_r, &mut self.weight_r),
             scattering::lobe_tt(&mut self.lobe_tt, &mut self.weight_tt),

@@ -1,6 +1,6 @@
 //! The rasteriser's kernels, and what decides which of two does the last pass.
 
-use lorelei_core::look::Transparency;
+use lorelei_core::look::{Antialiasing, Look, ShadingRate};
 use lorelei_shaders::{Gpu, Kernel, Link, ShaderError, ShaderLibrary};
 
 use crate::slot;
@@ -41,21 +41,35 @@ impl Threads {
         )
     }
 
+    /// What can draw a look: lanes know strands shaded at their vertices and exact areas alone.
+    pub fn for_look(self, look: &Look) -> Self {
+        let is_plain = match look.antialiasing {
+            Antialiasing::Analytic | Antialiasing::Super2 | Antialiasing::Super3 => true,
+            Antialiasing::None | Antialiasing::Msaa4 | Antialiasing::AlphaToCoverage => false,
+        };
+        if is_plain && look.shading_rate == ShadingRate::PerVertex { self } else { Self::Segments }
+    }
+
     /// The last pass; `is_wide` only matters to lanes.
     pub fn fine(
         self,
         library: &ShaderLibrary,
         gpu: &Gpu,
-        (transparency, is_wide): (Transparency, bool),
+        look: &Look,
+        is_wide: bool,
     ) -> Result<Kernel, ShaderError> {
-        let (file, blend) = match self {
-            Self::Segments => ("raster_fine", slot::transparency(transparency)),
-            Self::Lanes => ("raster_lanes", slot::transparency_in_lanes(transparency)),
+        let mut links = vec![self.tile_slot()];
+        let file = match self {
+            Self::Segments => {
+                links.push(slot::antialiasing(look.antialiasing));
+                links.extend(slot::shading_rate(look));
+                "raster_fine"
+            }
+            Self::Lanes => {
+                links.extend(is_wide.then_some(Link::Def("WIDE")));
+                "raster_lanes"
+            }
         };
-        let mut links = vec![blend, self.tile_slot()];
-        if is_wide {
-            links.push(Link::Def("WIDE"));
-        }
         library.kernel(gpu, file, "fine", &[], &links)
     }
 }

@@ -23,7 +23,7 @@ mod kernels;
 
 use std::collections::HashMap;
 
-use lorelei_core::look::Transparency;
+use lorelei_core::look::{Antialiasing, Look, ShadingRate};
 use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -61,7 +61,8 @@ struct FrameUniform {
     nearest: f32,
     sample_step: u32,
     bins_per_cm: f32,
-    pad: [u32; 2],
+    supersampling: u32,
+    pad: u32,
 }
 
 /// Segments in pixels: what tiles are filled from.
@@ -83,7 +84,7 @@ pub(crate) struct Segments {
 pub(crate) struct Raster {
     threads: Threads,
     kernels: Hot<Kernels>,
-    fine: HashMap<(Transparency, bool), Hot<Kernel>>,
+    fine: HashMap<(Antialiasing, ShadingRate, bool), Hot<Kernel>>,
     pub segments: Segments,
     buckets: wgpu::Buffer,
     tiles: wgpu::Buffer,
@@ -108,6 +109,8 @@ pub(crate) struct RasterInput {
     pub ball: Ball,
     /// What the picture's light is multiplied with.
     pub exposure: f32,
+    /// Pixels of `view` for one of the head, along a side.
+    pub supersampling: u32,
 }
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
@@ -254,7 +257,8 @@ impl Raster {
             sample_step,
             // The bins span the ball.
             bins_per_cm: N_BINS as f32 / (2.0 * input.ball.radius),
-            pad: [0; 2],
+            supersampling: input.supersampling,
+            pad: 0,
         };
         gpu.queue.write_buffer(&self.segments.frame, 0, bytemuck::bytes_of(&frame));
         gpu.queue.write_buffer(&self.segments.layers, 0, bytemuck::cast_slice(&strands.layers));

@@ -1,28 +1,36 @@
 //! The slots of drawing and of the last pass.
 
-use lorelei_core::look::{Background, Tonemapping, Transparency};
+use lorelei_core::look::{Antialiasing, Background, Look, ShadingRate, Tonemapping};
 use lorelei_shaders::Link;
 
-/// `lorelei::blend`: how fragments of a pixel combine in the compute rasteriser.
-pub fn transparency(choice: Transparency) -> Link<'static> {
+/// `lorelei::cover`: how much of a pixel a strand covers.
+pub fn antialiasing(choice: Antialiasing) -> Link<'static> {
     Link::Slot(
-        "blend",
+        "cover",
         match choice {
-            Transparency::FrontToBack => "blend_front_to_back",
-            Transparency::Opaque => "blend_opaque",
+            // Supersampling draws smaller pixels, each as exactly.
+            Antialiasing::Analytic | Antialiasing::Super2 | Antialiasing::Super3 => "cover_analytic",
+            Antialiasing::None => "cover_none",
+            Antialiasing::Msaa4 => "cover_msaa4",
+            Antialiasing::AlphaToCoverage => "cover_alpha_to_coverage",
         },
     )
 }
 
-/// `lorelei::lane_blend`: the same where a thread owns pixels.
-pub fn transparency_in_lanes(choice: Transparency) -> Link<'static> {
-    Link::Slot(
-        "lane_blend",
-        match choice {
-            Transparency::FrontToBack => "lane_blend_front_to_back",
-            Transparency::Opaque => "lane_blend_opaque",
-        },
-    )
+/// Pixels drawn for one of the picture, along a side.
+pub fn supersampling(choice: Antialiasing) -> u32 {
+    match choice {
+        Antialiasing::None | Antialiasing::Analytic | Antialiasing::Msaa4 | Antialiasing::AlphaToCoverage => 1,
+        Antialiasing::Super2 => 2,
+        Antialiasing::Super3 => 3,
+    }
+}
+
+/// `lorelei::radiance`: where strands are shaded.
+pub fn shading_rate(look: &Look) -> Vec<Link<'static>> {
+    match look.shading_rate {
+        ShadingRate::PerVertex => vec![Link::Slot("radiance", "radiance_vertex")],
+    }
 }
 
 /// `lorelei::tonemap`: from scene light to the display.

@@ -5,6 +5,6 @@ mod drawing;
 mod scattering;
 mod shadowing;
 
-pub use drawing::{background, tonemapping, transparency, transparency_in_lanes};
+pub use drawing::{antialiasing, background, shading_rate, supersampling, tonemapping};
 pub use scattering::{environment, lobes, multiple_scattering, scattering};
 pub use shadowing::shadowing;

@@ -1,10 +1,9 @@
-// Slot `lane_blend`: fragments of a bucket weighted by their coverage, buckets composited front to back. Without a
-// branch: see raster_lanes.wgsl.
+// How fragments of a pixel combine in raster_lanes.wgsl: those of a bucket weighted by their coverage, buckets composited
+// front to back. Without a branch: see there.
 //
 // Within a bucket nothing is sorted: what it hides is the product of what its fragments let through, what it shows
 // their mean. So the order in which atomics filled the bucket does not matter.
-// slot: lane_blend
-#define_import_path lorelei::lane_blend_front_to_back
+#define_import_path lorelei::raster_lane_blend
 
 // A bucket's sums weighted by coverage, and the share that it stops.
 struct Bucket {

@@ -1,9 +1,9 @@
-// Slot `blend`: fragments of a bucket weighted by their optical depth, buckets composited front to back.
+// How fragments of a pixel combine in raster_fine.wgsl: those of a bucket weighted by their optical depth, buckets
+// composited front to back.
 //
 // Within a bucket nothing is sorted: what it hides is the product of what its fragments let through, what it shows
 // their mean. So the order in which threads come to a pixel does not matter.
-// slot: blend
-#define_import_path lorelei::blend_front_to_back
+#define_import_path lorelei::raster_blend
 #import lorelei::raster_frame::{raster}
 #import lorelei::tile::{N_PIXELS}
 
@@ -17,8 +17,6 @@ struct Blend {
 // Buckets that are open at once, and how many of them are filled and closed in a step. Their sums lie in a ring.
 const N_OPEN: u32 = 4u;
 const N_STEP: u32 = 2u;
-// Times that a segment's pixels are visited.
-const N_WALKS: u32 = 1u;
 // Where so much is stopped, what little is still to come is taken to look like what is there.
 const OPAQUE: f32 = 0.99;
 // Optical depth of a fragment that stops everything (less than 1 - OPAQUE comes through).
@@ -62,7 +60,7 @@ fn blend_clear(pixel: u32) {
     }
 }
 
-fn blend_add(walk_idx: u32, scale: BlendScale, bucket: u32, pixel: u32, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
+fn blend_add(scale: BlendScale, bucket: u32, pixel: u32, coverage: f32, open: f32, depth: f32, colour: vec3<f32>) {
     let at = bucket % N_OPEN * N_PIXELS + pixel;
     let optical = min(-log(max(1.0 - coverage, 1e-6)), MOST);
     let brightest = vec3<f32>(BRIGHTEST / raster.exposure);

@@ -1,0 +1,47 @@
+// A fragment from a segment and the pixel that it touches, whoever found the pixel.
+#define_import_path lorelei::fragment_of_strip
+#import lorelei::fragment::{Fragment, band}
+#import lorelei::raster_frame::{raster, raster_layers}
+#import lorelei::radiance::{fibre_radiance}
+#import lorelei::hash::{combine, unit}
+
+@group(0) @binding(auto) var<storage, read> seeds: array<u32>;
+// View depth in centimetres of the head, and the share of the pixel that it covers.
+@group(0) @binding(auto) var head_depth: texture_2d<f32>;
+@group(0) @binding(auto) var head_colour: texture_2d<f32>;
+
+// Whose vertex it is: the strand's index among all, and the vertex's in the strand.
+fn owner_of(vertex: u32) -> vec2<u32> {
+    for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
+        let layer = raster_layers[layer_idx];
+        let idx = vertex - layer.first_vertex;
+        if vertex >= layer.first_vertex && idx < layer.n_strands * layer.vertices_per_strand {
+            return vec2<u32>(layer.first_strand + idx / layer.vertices_per_strand, idx % layer.vertices_per_strand);
+        }
+    }
+    return vec2<u32>(0u);
+}
+
+// The pixel's own number in 0-1, for rounding.
+fn dither_of(pixel: vec2<u32>) -> f32 {
+    return unit(combine(pixel.x, pixel.y));
+}
+
+// `t` along the segment, `across` between its sides (-1 to 1), `segment_cm` its length; alpha is 0 where the head hides it.
+fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u32>, depth: f32, coverage: f32, mask: u32) -> Fragment {
+    let fibre = fibre_radiance(vertex, t, across);
+    let surface = pixel / raster.supersampling;
+    let is_behind = depth > textureLoad(head_depth, surface, 0).x;
+    let open = select(1.0, 1.0 - textureLoad(head_colour, surface, 0).w, is_behind);
+    let owner = owner_of(vertex);
+    var fragment: Fragment;
+    fragment.place = (pixel.y - band.first_row) * raster.view.size.x + pixel.x;
+    fragment.pixel = pixel;
+    fragment.depth = depth;
+    fragment.alpha = saturate(coverage * fibre.w) * open;
+    fragment.mask = mask;
+    fragment.colour = fibre.xyz;
+    fragment.seed = seeds[owner.x];
+    fragment.along = (f32(owner.y) + t) * segment_cm;
+    return fragment;
+}

@@ -1,0 +1,11 @@
+// Slot `radiance`: shaded at the vertices, interpolated between.
+// slot: radiance
+#define_import_path lorelei::radiance_vertex
+#import lorelei::raster_list::{unpacked}
+
+// Linear radiance and the fibre's opacity at `t` of the segment that starts at a vertex; `across` is the place between
+// the fibre's sides, -1 to 1.
+fn fibre_radiance(vertex: u32, t: f32, across: f32) -> vec4<f32> {
+    let root = unpacked(vertex);
+    return root + t * (unpacked(vertex + 1u) - root);
+}

@@ -1,0 +1,24 @@
+// What segments are sorted by: the farther the sooner. Segments that are not there come last.
+#import lorelei::camera::{project}
+#import lorelei::raster_frame::{raster, segment_of, NO_VERTEX}
+
+@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
+@group(0) @binding(auto) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(auto) var<storage, read_write> values: array<u32>;
+
+@compute @workgroup_size(64)
+fn write_keys(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let item = id.x + id.y * n_groups.x * 64u;
+    if item >= raster.n_items {
+        return;
+    }
+    let vertex = segment_of(item);
+    values[item] = vertex;
+    if vertex == NO_VERTEX {
+        keys[item] = 0xFFFFFFFFu;
+        return;
+    }
+    let middle = 0.5 * (vertices[vertex].xyz + vertices[vertex + 1u].xyz);
+    // Bits of positive numbers are in the numbers' order.
+    keys[item] = ~bitcast<u32>(max(project(raster.view, middle).z, 1e-6));
+}
