@@ -40,16 +40,25 @@ pub(crate) struct Targets {
     pub head_depth: wgpu::TextureView,
     /// Premultiplied hair that is seen past the head.
     pub hair: wgpu::TextureView,
+    /// The same before it is averaged, where it is supersampled.
+    pub fine_hair: Option<wgpu::TextureView>,
+    pub supersampling: u32,
     pub output: wgpu::Texture,
     pub output_view: wgpu::TextureView,
 }
 
 impl Targets {
+    /// Where strands are drawn: a larger picture where they are supersampled.
+    pub fn drawn_hair(&self) -> &wgpu::TextureView {
+        self.fine_hair.as_ref().unwrap_or(&self.hair)
+    }
+
+    /// Make what strands are drawn into empty.
     pub fn clear_hair(&self, encoder: &mut wgpu::CommandEncoder) {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("hair.clear"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.hair,
+                view: self.drawn_hair(),
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
@@ -61,12 +70,13 @@ impl Targets {
         });
     }
 
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+    /// `supersampling`: pixels of hair that are drawn for one, along a side.
+    pub fn new(gpu: &Gpu, size: [u32; 2], supersampling: u32) -> Result<Self, GpuError> {
         use wgpu::TextureUsages as Usage;
-        let texture = |label, format, sample_count, usage| {
+        let sized = |label, format, sample_count, usage, [width, height]: [u32; 2]| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -75,6 +85,7 @@ impl Targets {
                 view_formats: &[],
             })
         };
+        let texture = |label, format, sample_count, usage| sized(label, format, sample_count, usage, size);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         gpu.checked(|| {
             let attached = Usage::RENDER_ATTACHMENT;
@@ -98,6 +109,11 @@ impl Targets {
                     read | Usage::STORAGE_BINDING | Usage::COPY_SRC,
                 )),
                 hair: view(&texture("hair", COLOUR, 1, attached | read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
+                fine_hair: (supersampling > 1).then(|| {
+                    let usage = attached | read | Usage::STORAGE_BINDING;
+                    view(&sized("hair.fine", COLOUR, 1, usage, size.map(|side| side * supersampling)))
+                }),
+                supersampling,
                 output_view: view(&output),
                 output,
             }

@@ -7,11 +7,12 @@ use glam::{Affine3A, Mat4, Vec3};
 use lorelei_core::look::{Look, Shadowing};
 use lorelei_core::maps::uvs::scalp_uvs;
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
-use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
 use crate::overlay::{Overlay, OverlayTexture};
+use crate::raster::Threads;
 use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
@@ -41,7 +42,7 @@ struct Mesh {
 /// The head pass.
 pub(crate) struct HeadPass {
     draw: Hot<Draw>,
-    shade: HashMap<Shadowing, Hot<Kernel>>,
+    shade: HashMap<(Shadowing, Threads), Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
     overlay: OverlayTexture,
@@ -59,7 +60,7 @@ pub(crate) struct HeadInput<'a> {
     /// Pixels of the rasteriser for one of the head, along a side.
     pub supersampling: u32,
     /// The rasteriser's tiles.
-    pub tile_slot: Link<'static>,
+    pub threads: Threads,
     pub targets: &'a Targets,
     pub scene: &'a SceneBuffers,
     pub shadow: &'a Shadow,
@@ -111,15 +112,15 @@ impl HeadPass {
         encoder: &mut wgpu::CommandEncoder,
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
-        let shadowing = input.look.shadowing;
-        let tile_slot = input.tile_slot;
+        let (shadowing, threads) = (input.look.shadowing, input.threads);
+        let key = (shadowing, threads);
         let make_shade = |library: &ShaderLibrary| {
-            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing), tile_slot])
+            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing), threads.tile_slot()])
         };
-        if let Some(kernel) = self.shade.get_mut(&shadowing) {
+        if let Some(kernel) = self.shade.get_mut(&key) {
             kernel.refresh(library, make_shade);
         } else {
-            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
+            self.shade.insert(key, Hot::new(library, make_shade)?);
         }
         self.draw.refresh(library, |library| make_draw(gpu, library));
         let uniform = HeadLook {
@@ -171,7 +172,7 @@ impl HeadPass {
             }
         }
         encoder.clear_buffer(input.tile_backs, 0, None);
-        let kernel = &self.shade[&shadowing];
+        let kernel = &self.shade[&key];
         let mut resources = vec![
             ("view", input.view.as_entire_binding()),
             ("head_look", self.look.as_entire_binding()),

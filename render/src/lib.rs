@@ -2,6 +2,7 @@
 
 mod bound;
 pub mod exact;
+mod fragments;
 mod frame;
 pub mod generate;
 mod head;
@@ -11,13 +12,13 @@ mod profile;
 mod raster;
 mod renderer;
 mod resolve;
-pub mod ribbons;
 pub mod sample;
 pub mod scattering;
 pub mod scene;
 pub mod shade;
 pub mod shadow;
 pub mod slot;
+pub mod sort;
 pub mod tonemap;
 pub mod view;
 pub mod white_balance;

@@ -6,11 +6,12 @@ use glam::Affine3A;
 use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::io::Watch;
 use lorelei_core::lod::LodBlend;
-use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing, Transparency};
+use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
+use crate::fragments::{Blended, FragmentInput, Fragments, Resources, TooWide, Way, way};
 use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass};
@@ -18,11 +19,11 @@ use crate::mirror::{Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
-use crate::resolve::ResolvePass;
-use crate::ribbons::{RibbonInput, Ribbons};
+use crate::resolve::{Downsample, ResolvePass};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
 use crate::shade::Shade;
 use crate::shadow::{Shadow, ShadowInput};
+use crate::slot;
 use crate::view::View;
 
 /// Why a frame cannot be rendered. The document is never touched by it.
@@ -36,6 +37,8 @@ pub enum RenderError {
     Strands(#[from] MirrorError),
     #[error(transparent)]
     TooManyVertices(#[from] TooManyVertices),
+    #[error(transparent)]
+    TooWide(#[from] TooWide),
     #[error("a picture of {width} x {height} pixels cannot be made on this GPU; each side must be from 1 to {most}")]
     Size { width: u32, height: u32, most: u32 },
     #[error("there is no groom to render yet")]
@@ -96,8 +99,12 @@ pub struct Renderer {
     shadow: Shadow,
     shade: Shade,
     head: HeadPass,
+    /// The threads that suit the device where the look lets them.
+    threads: Threads,
     raster: Raster,
-    ribbons: Ribbons,
+    blended: Blended,
+    fragments: Fragments,
+    downsample: Downsample,
     resolve: ResolvePass,
     profile: Profile,
     view: wgpu::Buffer,
@@ -121,11 +128,14 @@ impl Renderer {
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
             raster: Raster::new(gpu, &library, threads)?,
-            ribbons: Ribbons::new(gpu, &library)?,
+            threads,
+            blended: Blended::new(gpu, &library)?,
+            fragments: Fragments::new(gpu, &library)?,
+            downsample: Downsample::new(gpu, &library)?,
             resolve: ResolvePass::new(gpu),
             profile: Profile::new(gpu)?,
             view: gpu.buffer("frame.view", size_of::<View>() as u64, BufferUsages::UNIFORM),
-            targets: Targets::new(gpu, [8, 8])?,
+            targets: Targets::new(gpu, [8, 8], 1)?,
             gpu: gpu.clone(),
             library,
         })
@@ -206,11 +216,17 @@ impl Renderer {
 
         // Everything is made to fit before anything is recorded.
         let most = gpu.device.limits().max_texture_dimension_2d;
-        if input.size.iter().any(|&side| side == 0 || side > most) {
-            return Err(RenderError::Size { width: input.size[0], height: input.size[1], most });
+        let supersampling = slot::supersampling(look.antialiasing);
+        if input.size.iter().any(|&side| side == 0 || side > most / supersampling) {
+            let [width, height] = input.size;
+            return Err(RenderError::Size { width, height, most: most / supersampling });
         }
-        if self.targets.size != input.size {
-            self.targets = Targets::new(gpu, input.size)?;
+        if (self.targets.size, self.targets.supersampling) != (input.size, supersampling) {
+            self.targets = Targets::new(gpu, input.size, supersampling)?;
+        }
+        let threads = self.threads.for_look(look);
+        if self.raster.threads() != threads {
+            self.raster = Raster::new(gpu, library, threads)?;
         }
         let view = View::new(input.camera, input.size);
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
@@ -235,7 +251,10 @@ impl Renderer {
         let material_of =
             |layer: u32| groom.layers.get(layer as usize).map_or(&fallback, |layer: &Layer| &layer.material);
         self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
-        let raster_input = RasterInput { view, ball: self.ball, exposure: look.exposure.exp2() };
+        let fine_size = input.size.map(|side| side * supersampling);
+        let fine_view = View::new(input.camera, fine_size);
+        let raster_input =
+            RasterInput { view: fine_view, ball: self.ball, exposure: look.exposure.exp2(), supersampling };
         self.raster.prepare(gpu, library, strands, &raster_input)?;
 
         let hair_key = HairKey {
@@ -283,7 +302,8 @@ impl Renderer {
                 has_hair: strands.layers.iter().any(|layer| layer.n_strands > 0),
                 view: &self.view,
                 tile_backs: &self.raster.segments.tile_backs,
-                tile_slot: self.raster.threads().tile_slot(),
+                supersampling,
+                threads,
                 targets: &self.targets,
                 scene: &self.scene,
                 shadow: &self.shadow,
@@ -292,25 +312,47 @@ impl Renderer {
         })?;
 
         // Strands into pixels.
-        let radiance = self.shade.radiance();
-        match look.primitive {
-            Primitive::Compute => {
+        let targets = &self.targets;
+        let mut resources: Resources<'_> = vec![
+            ("vertices", strands.vertices.as_entire_binding()),
+            ("seeds", strands.seeds.as_entire_binding()),
+            ("radiance", self.shade.radiance().as_entire_binding()),
+            ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
+            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
+        ];
+        let frame = self.raster.segments.clone();
+        resources.extend(frame.frame_resources());
+        resources.extend(self.shade.resources());
+        resources.extend(self.scene.resources());
+        resources.extend(self.shadow.resources());
+        let fragments = FragmentInput {
+            look,
+            resources: &resources,
+            n_items: frame.n_items,
+            hair: targets.drawn_hair(),
+            size: fine_size,
+        };
+        targets.clear_hair(encoder);
+        let drawn = way(look.transparency, look.antialiasing, &look.drawing);
+        if !matches!(drawn, Way::Passes(_)) {
+            self.fragments.release();
+        }
+        match (drawn, look.primitive) {
+            (Way::InOrder, Primitive::Compute) => {
                 profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder, strands))?;
-                let raster = &mut self.raster;
-                raster.record_tiles(gpu, library, encoder, look.transparency, radiance, &self.targets, profile)?;
+                self.raster.record_tiles(gpu, library, encoder, &fragments, profile)?;
             }
-            Primitive::Ribbons => profile.pass("ribbons", encoder, |encoder| {
-                let input = RibbonInput {
-                    strands,
-                    radiance,
-                    view: &self.view,
-                    head_depth: &self.targets.head_depth,
-                    head_colour: &self.targets.head_colour,
-                    opaque: look.transparency == Transparency::Opaque,
-                };
-                self.ribbons.record(gpu, library, encoder, &input, &self.targets.hair)
+            (Way::InOrder, Primitive::Ribbons | Primitive::Polylines) | (Way::Blended, _) => {
+                profile.pass("blended", encoder, |encoder| self.blended.record(gpu, library, encoder, &fragments))?;
+            }
+            (Way::Passes(technique), _) => profile.pass("fragments", encoder, |encoder| {
+                self.fragments.record(gpu, library, encoder, &technique, &fragments)
             })?,
         }
+        profile.pass("downsample", encoder, |encoder| {
+            let [frame, _] = frame.frame_resources();
+            self.downsample.record(gpu, library, encoder, frame, targets)
+        })?;
 
         // The picture.
         profile.pass("resolve", encoder, |encoder| {
@@ -410,7 +452,8 @@ impl Renderer {
                 + self.shade.radiance().size()
                 + self.shadow.n_bytes()
                 + self.raster.n_bytes()
-                + self.ribbons.n_bytes(),
+                + self.blended.n_bytes()
+                + self.fragments.n_bytes(),
         }
     }
 
@@ -422,9 +465,10 @@ impl Renderer {
     /// Entries of the last submitted frame's tile lists and how many there is room for. Where the first is larger, the
     /// picture lacks what did not fit. Waits for the GPU.
     pub fn n_tile_entries(&self) -> Result<(u64, u64), GpuError> {
-        match self.groom.as_ref().map(|groom| groom.look.primitive) {
-            Some(Primitive::Compute) => self.raster.n_entries(&self.gpu),
-            Some(Primitive::Ribbons) | None => Ok((0, 0)),
+        let drawn = |look: &Look| (way(look.transparency, look.antialiasing, &look.drawing), look.primitive);
+        match self.groom.as_ref().map(|groom| drawn(&groom.look)) {
+            Some((Way::InOrder, Primitive::Compute)) => self.raster.n_entries(&self.gpu),
+            _ => Ok((0, 0)),
         }
     }
 
@@ -441,7 +485,9 @@ impl Renderer {
             .or(self.shade.shader_error())
             .or(self.head.shader_error())
             .or(self.raster.shader_error())
-            .or(self.ribbons.shader_error())
+            .or(self.blended.shader_error())
+            .or(self.fragments.shader_error())
+            .or(self.downsample.shader_error())
             .or(self.resolve.shader_error())
     }
 }

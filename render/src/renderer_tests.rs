@@ -4,7 +4,9 @@ use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::lod::LodChoice;
-use lorelei_core::look::{Background, HeadShading, Primitive, Shadowing, Transparency};
+use lorelei_core::look::{
+    Antialiasing, Background, Choice, HeadShading, Primitive, ShadingRate, Shadowing, Transparency,
+};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
 use super::{FrameInput, Pixels, RenderError, Renderer, Threads};
@@ -90,7 +92,7 @@ fn difference(got: &[[f64; 4]], exact: &[[f64; 4]]) -> (f64, f64) {
 }
 
 #[test]
-fn both_primitives_draw_the_exact_picture() {
+fn every_primitive_draws_the_exact_picture() {
     let gpu = Gpu::headless().unwrap();
     let camera = camera();
     // Radii from thinner than a pixel (0.05 of one) to wider than one.
@@ -99,7 +101,9 @@ fn both_primitives_draw_the_exact_picture() {
         groom.layers[0].radius_um = radius_um;
         for threads in every_threads(&gpu) {
             let mut renderer = renderer_with(&gpu, &groom, threads);
-            for (primitive, most_rmse) in [(Primitive::Compute, 0.02), (Primitive::Ribbons, 0.03)] {
+            for (primitive, most_rmse) in
+                [(Primitive::Compute, 0.02), (Primitive::Ribbons, 0.03), (Primitive::Polylines, 0.03)]
+            {
                 groom.look.primitive = primitive;
                 renderer.set_groom(&groom).unwrap();
                 renderer.render_pixels(&input(&camera)).unwrap();
@@ -108,10 +112,172 @@ fn both_primitives_draw_the_exact_picture() {
                 let (rmse, coverage) = difference(&hair(&renderer), &exact_hair(&renderer, &camera));
                 let what = format!("{n_strands} strands of {radius_um} um, {primitive:?}, {threads:?}");
                 println!("{what}: rmse {rmse:.5}, coverage {coverage:.4}");
+                // A line is never wider than a pixel.
+                if primitive == Primitive::Polylines && radius_um > 1_000.0 {
+                    continue;
+                }
                 assert!(rmse < most_rmse, "{what}: {rmse}");
                 assert!((coverage - 1.0).abs() < 0.03, "{what}: {coverage}");
             }
         }
+    }
+}
+
+/// Hair of one colour and width, seen so that many strands share a pixel.
+fn heap() -> Groom {
+    let mut groom = sample_groom(3_000, 12);
+    groom.layers[0].radius_um = 200.0;
+    groom
+}
+
+/// The hair of a look, and how far it is from the exact picture of the same vertices.
+fn drawn(renderer: &mut Renderer, groom: &Groom, camera: &Camera) -> (Vec<[f64; 4]>, f64, f64) {
+    renderer.set_groom(groom).unwrap();
+    renderer.render_pixels(&input(camera)).unwrap();
+    let hair = hair(renderer);
+    let (rmse, coverage) = difference(&hair, &exact_hair(renderer, camera));
+    (hair, rmse, coverage)
+}
+
+#[test]
+fn every_transparency_is_as_near_the_exact_picture_as_it_promises() {
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    let mut groom = heap();
+    let mut renderer = renderer_with(&gpu, &groom, Threads::for_gpu(&gpu));
+    for primitive in [Primitive::Compute, Primitive::Ribbons] {
+        for &transparency in Transparency::ALL {
+            groom.look.primitive = primitive;
+            groom.look.transparency = transparency;
+            let (_, rmse, coverage) = drawn(&mut renderer, &groom, &camera);
+            println!("{primitive:?} {transparency:?}: rmse {rmse:.4}, coverage {coverage:.3}");
+            // Measured, and a third more.
+            let most = match transparency {
+                Transparency::FrontToBack | Transparency::Sorted => 0.0083,
+                Transparency::Occupancy | Transparency::KNearest => 0.0107,
+                Transparency::WeightedAverage | Transparency::DepthPeeling => 0.0130,
+                Transparency::Stochastic => 0.053,
+                Transparency::ThreeSubsets => 0.092,
+                Transparency::AlphaTest | Transparency::Hashed => 0.146,
+                Transparency::Opaque => 0.166,
+                Transparency::AlphaToCoverage => 0.27,
+            };
+            assert!(rmse < most, "{primitive:?}, {transparency:?}: {rmse}");
+            // What blends covers as much as it should; so does noise, on average.
+            let is_unbiased = match transparency {
+                Transparency::FrontToBack | Transparency::Sorted | Transparency::Occupancy | Transparency::KNearest => {
+                    true
+                }
+                Transparency::WeightedAverage | Transparency::Stochastic | Transparency::Hashed => true,
+                Transparency::Opaque | Transparency::AlphaTest | Transparency::AlphaToCoverage => false,
+                Transparency::ThreeSubsets | Transparency::DepthPeeling => false,
+            };
+            assert!(!is_unbiased || (coverage - 1.0).abs() < 0.02, "{primitive:?}, {transparency:?}: {coverage}");
+        }
+    }
+}
+
+#[test]
+fn peeling_enough_layers_is_exact_and_goes_on_no_longer_than_it_must() {
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    let mut groom = heap();
+    groom.look.drawing.opacity = 0.3;
+    groom.look.primitive = Primitive::Ribbons;
+    let mut renderer = renderer_with(&gpu, &groom, Threads::for_gpu(&gpu));
+    let (sorted, ..) = drawn(&mut renderer, &groom, &camera);
+    groom.look.transparency = Transparency::DepthPeeling;
+    let mut last = f64::INFINITY;
+    for n_layers in [4, 16, 256] {
+        groom.look.drawing.n_layers = n_layers;
+        let (peeled, ..) = drawn(&mut renderer, &groom, &camera);
+        let (rmse, _) = difference(&peeled, &sorted);
+        println!("{n_layers} layers: {rmse:.5} from blending in order");
+        assert!(rmse < 0.5 * last, "{n_layers}");
+        last = rmse;
+    }
+    assert!(last < 0.002, "{last}");
+}
+
+#[test]
+fn the_mean_of_many_seeds_of_stochastic_transparency_is_the_exact_composite() {
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    let mut groom = heap();
+    let mut renderer = renderer_with(&gpu, &groom, Threads::for_gpu(&gpu));
+    let size = [48, 48];
+    let small = FrameInput { size, ..input(&camera) };
+    let mut picture = |look: &dyn Fn(&mut Groom)| {
+        look(&mut groom);
+        renderer.set_groom(&groom).unwrap();
+        renderer.render_pixels(&small).unwrap();
+        hair(&renderer)
+    };
+    // The same fragments, composited one by one.
+    let exact = picture(&|groom| {
+        groom.look.transparency = Transparency::DepthPeeling;
+        groom.look.drawing.n_layers = 256;
+    });
+    let mut mean = vec![[0.0; 4]; exact.len()];
+    let mut first = 0.0;
+    let n_seeds = 256;
+    for seed in 0..n_seeds {
+        let noisy = picture(&|groom| {
+            groom.look.transparency = Transparency::Stochastic;
+            groom.look.drawing.n_samples = 4;
+            groom.look.drawing.seed = seed;
+        });
+        if seed == 0 {
+            first = difference(&noisy, &exact).0;
+        }
+        for (mean, noisy) in mean.iter_mut().zip(&noisy) {
+            for channel in 0..4 {
+                mean[channel] += noisy[channel] / f64::from(n_seeds);
+            }
+        }
+    }
+    let (last, coverage) = difference(&mean, &exact);
+    println!("one seed: {first:.5}; the mean of {n_seeds}: {last:.5}, coverage {coverage:.4}");
+    // The square root of 256 is 16; colours have nine bits.
+    assert!(last < first / 12.0 && (coverage - 1.0).abs() < 0.003, "{first}, {last}, {coverage}");
+}
+
+#[test]
+fn the_better_the_antialiasing_the_nearer_the_exact_picture() {
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    let mut groom = heap();
+    let mut renderer = renderer_with(&gpu, &groom, Threads::for_gpu(&gpu));
+    let mut errors = Vec::new();
+    for &antialiasing in Antialiasing::ALL {
+        groom.look.antialiasing = antialiasing;
+        let (_, rmse, coverage) = drawn(&mut renderer, &groom, &camera);
+        println!("{antialiasing:?}: rmse {rmse:.4}, coverage {coverage:.3}");
+        // Rounded to quarters, strands of a pixel that lie over each other are rounded alike.
+        let most = if antialiasing == Antialiasing::AlphaToCoverage { 0.1 } else { 0.01 };
+        assert!((coverage - 1.0).abs() < most, "{antialiasing:?}: {coverage}");
+        errors.push((antialiasing, rmse));
+    }
+    let of = |antialiasing| errors.iter().find(|(choice, _)| *choice == antialiasing).unwrap().1;
+    assert!(of(Antialiasing::None) > 1.3 * of(Antialiasing::Msaa4));
+    assert!(of(Antialiasing::Msaa4) > 2.0 * of(Antialiasing::Analytic));
+    assert!(of(Antialiasing::AlphaToCoverage) > 2.0 * of(Antialiasing::Analytic));
+}
+
+#[test]
+fn shading_a_fragment_is_shading_between_its_vertices_where_these_are_close() {
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    let mut groom = sample_groom(1_500, 24);
+    let mut renderer = renderer_with(&gpu, &groom, Threads::for_gpu(&gpu));
+    let (vertex, ..) = drawn(&mut renderer, &groom, &camera);
+    for primitive in [Primitive::Compute, Primitive::Ribbons] {
+        groom.look.primitive = primitive;
+        groom.look.shading_rate = ShadingRate::PerFragment;
+        let (fragment, ..) = drawn(&mut renderer, &groom, &camera);
+        let (rmse, coverage) = difference(&fragment, &vertex);
+        println!("{primitive:?}: {rmse:.5} apart");
+        assert!(rmse > 1e-4 && rmse < 0.01 && (coverage - 1.0).abs() < 0.01, "{primitive:?}: {rmse}");
     }
 }
 

@@ -90,3 +90,45 @@ impl ResolvePass {
         Ok(())
     }
 }
+
+/// Supersampled hair into the picture's pixels.
+pub(crate) struct Downsample {
+    kernel: Hot<Kernel>,
+}
+
+impl Downsample {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+        let make = |library: &ShaderLibrary| library.kernel(gpu, "downsample", "downsample", &[], &[]);
+        Ok(Self { kernel: Hot::new(library, make)? })
+    }
+
+    pub fn shader_error(&self) -> Option<&ShaderError> {
+        self.kernel.error()
+    }
+
+    /// Nothing where hair was drawn into the picture's own pixels. `frame` is the rasteriser's.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: (&'static str, wgpu::BindingResource<'_>),
+        targets: &Targets,
+    ) -> Result<(), ShaderError> {
+        let Some(fine) = &targets.fine_hair else { return Ok(()) };
+        self.kernel.refresh(library, |library| library.kernel(gpu, "downsample", "downsample", &[], &[]));
+        let bindings = self.kernel.bind(
+            gpu,
+            &[
+                frame,
+                ("fine_hair", wgpu::BindingResource::TextureView(fine)),
+                ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
+            ],
+        )?;
+        let descriptor = wgpu::ComputePassDescriptor { label: Some("downsample"), timestamp_writes: None };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        let [width, height] = targets.size;
+        self.kernel.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
+        Ok(())
+    }
+}

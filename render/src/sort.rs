@@ -3,7 +3,7 @@
 //! Four passes of eight bits. Rejected: a bitonic sort (not stable, and log2(n)^2 passes over all items), and one pass
 //! over as many buckets as there are depths (quantised: equal depths come in the order of atomics).
 
-use lorelei_shaders::{Bindings, Gpu, GpuError, Hot, Kernel, ShaderError, ShaderLibrary, grid_1d};
+use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 /// Twins of `BLOCK` and `SCANNED`.
@@ -62,7 +62,7 @@ impl Sort {
     }
 
     /// Make room for items; before keys are written.
-    pub fn prepare(&mut self, gpu: &Gpu, library: &ShaderLibrary, n_items: u32) -> Result<(), ShaderOrGpu> {
+    pub fn prepare(&mut self, gpu: &Gpu, library: &ShaderLibrary, n_items: u32) -> Result<(), crate::RenderError> {
         if self.kernels.refresh(library, |library| Kernels::new(gpu, library)) {
             self.bound = None;
         }
@@ -120,15 +120,6 @@ impl Sort {
     }
 }
 
-/// What can go wrong while making room.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum ShaderOrGpu {
-    #[error(transparent)]
-    Shader(#[from] ShaderError),
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-}
-
 fn fit(gpu: &Gpu, buffer: &mut wgpu::Buffer, size: u64) {
     if buffer.size() < size.max(16) {
         *buffer = gpu.buffer("sort", size, BufferUsages::STORAGE);
@@ -169,7 +160,8 @@ mod tests {
     #[test]
     fn keys_are_sorted_and_equal_ones_stay_in_order() {
         let gpu = Gpu::headless().unwrap();
-        for (n, mask) in [(1_u32, u32::MAX), (255, u32::MAX), (4_097, 0xff), (70_001, 0xf00f_0003), (20_000, u32::MAX)] {
+        for (n, mask) in [(1_u32, u32::MAX), (255, u32::MAX), (4_097, 0xff), (70_001, 0xf00f_0003), (20_000, u32::MAX)]
+        {
             let keys: Vec<u32> = (0..n).map(|i| i.wrapping_mul(2_654_435_761).rotate_left(7) & mask).collect();
             let mut expected: Vec<u32> = (0..n).collect();
             expected.sort_by_key(|&i| keys[i as usize]);

@@ -17,7 +17,7 @@ use crate::link;
 const EMBEDDED: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/embedded.rs"));
 
 /// What is chosen when a shader is linked.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Link<'a> {
     /// `#import lorelei::NAME` means this file: `Slot("shadow", "shadow_off")`.
     Slot(&'a str, &'a str),

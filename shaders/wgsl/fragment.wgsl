@@ -15,7 +15,8 @@ struct Fragment {
     mask: u32,
     // Linear radiance.
     colour: vec3<f32>,
-    // Of the strand.
+    // First vertex of the segment, and the strand's random number.
+    vertex: u32,
     seed: u32,
     // Centimetres along the strand, from its root.
     along: f32,

@@ -4,8 +4,8 @@
 #import lorelei::raster_frame::{raster, raster_layers}
 #import lorelei::radiance::{fibre_radiance}
 #import lorelei::hash::{combine, unit}
+#import lorelei::strands::{seeds}
 
-@group(0) @binding(auto) var<storage, read> seeds: array<u32>;
 // View depth in centimetres of the head, and the share of the pixel that it covers.
 @group(0) @binding(auto) var head_depth: texture_2d<f32>;
 @group(0) @binding(auto) var head_colour: texture_2d<f32>;
@@ -27,7 +27,7 @@ fn dither_of(pixel: vec2<u32>) -> f32 {
     return unit(combine(pixel.x, pixel.y));
 }
 
-// `t` along the segment, `across` between its sides (-1 to 1), `segment_cm` its length; alpha is 0 where the head hides it.
+// `t` along the segment, `across` its fibre (see strands.wgsl), `segment_cm` its length; alpha is 0 where the head hides it.
 fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u32>, depth: f32, coverage: f32, mask: u32) -> Fragment {
     let fibre = fibre_radiance(vertex, t, across);
     let surface = pixel / raster.supersampling;
@@ -41,6 +41,7 @@ fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u3
     fragment.alpha = saturate(coverage * fibre.w) * open;
     fragment.mask = mask;
     fragment.colour = fibre.xyz;
+    fragment.vertex = vertex;
     fragment.seed = seeds[owner.x];
     fragment.along = (f32(owner.y) + t) * segment_cm;
     return fragment;

@@ -4,7 +4,8 @@
 #import lorelei::fragment::{band}
 #import lorelei::fragment_of_strip::{fragment_of, dither_of, owner_of}
 #import lorelei::raster_frame::{raster_layers}
-#import lorelei::ribbon_strip::{Corner, strip_corner, line_end, vertices}
+#import lorelei::ribbon_strip::{Corner, strip_corner, line_end}
+#import lorelei::strands::{vertices, offset_of}
 #import lorelei::sink::{sink}
 
 fn nowhere() -> Corner {
@@ -70,7 +71,7 @@ fn give(in: Corner, pixel: vec2<u32>, area: f32, mask: u32) {
         return;
     }
     let segment_cm = distance(vertices[in.vertex].xyz, vertices[in.vertex + 1u].xyz);
-    let h = clamp(in.across / max(in.half_width, 1e-6), -1.0, 1.0);
+    let h = offset_of(in.across, in.half_width);
     let fragment = fragment_of(in.vertex, in.t, h, segment_cm, pixel, in.depth, area, mask);
     if fragment.alpha > 0.0 {
         sink(fragment);

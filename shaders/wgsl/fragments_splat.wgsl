@@ -9,8 +9,7 @@
 #import lorelei::fragment::{band}
 #import lorelei::fragment_of_strip::{fragment_of, dither_of}
 #import lorelei::sink::{sink}
-
-@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
+#import lorelei::strands::{vertices, offset_of}
 
 @compute @workgroup_size(64)
 fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
@@ -55,8 +54,8 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
         for (var row = first_row; row <= last_row; row++) {
             let at = select(vec2<i32>(column, row), vec2<i32>(row, column), is_steep);
             let pixel = vec2<u32>(at);
-            let from = vec2<f32>(at) + 0.5 - a.xy;
-            let place = vec2<f32>(dot(from, u), from.y * u.x - from.x * u.y);
+            let offset_px = vec2<f32>(at) + 0.5 - a.xy;
+            let place = vec2<f32>(dot(offset_px, u), offset_px.y * u.x - offset_px.x * u.y);
             let t = saturate(place.x * strip.per_length);
             var area = 0.0;
             var mask = 0u;
@@ -73,7 +72,7 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
             }
             if mask != 0u {
                 let half_width = mix(strip.half_widths.x, strip.half_widths.y, t);
-                let h = clamp(place.y / max(half_width, 1e-6), -1.0, 1.0);
+                let h = offset_of(place.y, half_width);
                 let fragment = fragment_of(vertex, t, h, segment_cm, pixel, mix(a.z, b.z, t), area, mask);
                 if fragment.alpha > 0.0 {
                     sink(fragment);

@@ -7,7 +7,7 @@
 
 fn keep(fragment: Fragment) -> u32 {
     let of_pixel = combine(combine(band.seed, fragment.pixel.x), fragment.pixel.y);
-    let of_fragment = combine(combine(of_pixel, fragment.seed), bitcast<u32>(fragment.depth));
+    let of_fragment = combine(of_pixel, fragment.vertex);
     var mask = 0u;
     for (var k = 0u; k < band.n_samples; k++) {
         let is_kept = unit(combine(of_fragment, band.first_sample + k)) < fragment.alpha;

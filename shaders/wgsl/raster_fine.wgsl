@@ -10,6 +10,7 @@
 #import lorelei::cover::{N_SAMPLES, sample_offset, settled}
 #import lorelei::radiance::{fibre_radiance}
 #import lorelei::hash::{combine, unit}
+#import lorelei::strands::{offset_of}
 #import lorelei::raster_blend::{Blend, BlendScale, N_OPEN, N_STEP, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
 #import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, VERTEX}
 
@@ -47,6 +48,8 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
     let strip = strip_of(line.zw, span.x, unpack2x16float(bitcast<u32>(span.w)));
     let can_be_hidden = max(span.y, span.z) > bitcast<f32>(atomicLoad(&nearest_surface));
     let is_steep = abs(line.w) > abs(line.z);
+    // Where axes change places, so do the sides of the strip.
+    let side = select(1.0, -1.0, is_steep);
     // (longer, shorter)
     let u = select(line.zw, line.wz, is_steep);
     let from_tile = line.xy - tile_origin;
@@ -82,7 +85,7 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
                 continue;
             }
             let half_width = mix(strip.half_widths.x, strip.half_widths.y, t);
-            let fibre = fibre_radiance(vertex, t, clamp(place.y / max(half_width, 1e-6), -1.0, 1.0));
+            let fibre = fibre_radiance(vertex, t, offset_of(side * place.y, half_width));
             let coverage = area * fibre.w;
             let depth = mix(span.y, span.z, t);
             var open = 1.0;

@@ -4,8 +4,7 @@
 // is decided there.
 #define_import_path lorelei::ribbon_strip
 #import lorelei::camera::{View, project}
-
-@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
+#import lorelei::strands::{vertices}
 
 struct Corner {
     @builtin(position) position: vec4<f32>,

@@ -3,7 +3,8 @@
 #import lorelei::cover::{N_SAMPLES, sample_offset, settled}
 #import lorelei::fragment_of_strip::{fragment_of, dither_of, owner_of}
 #import lorelei::raster_frame::{raster_layers}
-#import lorelei::ribbon_strip::{Corner, strip_corner, line_end, vertices}
+#import lorelei::ribbon_strip::{Corner, strip_corner, line_end}
+#import lorelei::strands::{vertices, offset_of}
 
 // First vertices of segments from back to front, NOTHING where there is none: see ribbons_keys.wgsl.
 @group(0) @binding(auto) var<storage, read> order: array<u32>;
@@ -47,7 +48,7 @@ fn line(@builtin(vertex_index) vertex_idx: u32) -> Corner {
 
 fn blended(in: Corner, area: f32) -> vec4<f32> {
     let segment_cm = distance(vertices[in.vertex].xyz, vertices[in.vertex + 1u].xyz);
-    let h = clamp(in.across / max(in.half_width, 1e-6), -1.0, 1.0);
+    let h = offset_of(in.across, in.half_width);
     let fragment = fragment_of(in.vertex, in.t, h, segment_cm, vec2<u32>(in.position.xy), in.depth, area, 1u);
     return fragment.alpha * vec4<f32>(fragment.colour, 1.0);
 }

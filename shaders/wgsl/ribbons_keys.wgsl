@@ -1,8 +1,8 @@
 // What segments are sorted by: the farther the sooner. Segments that are not there come last.
 #import lorelei::camera::{project}
 #import lorelei::raster_frame::{raster, segment_of, NO_VERTEX}
+#import lorelei::strands::{vertices}
 
-@group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read_write> keys: array<u32>;
 @group(0) @binding(auto) var<storage, read_write> values: array<u32>;
 

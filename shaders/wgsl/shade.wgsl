@@ -4,6 +4,7 @@
 // rasteriser interpolates. 002 and 000 (line 776) say that it does not show where vertices are close.
 #import lorelei::shade_layers::{fibres}
 #import lorelei::shade_point::{NO_OFFSET, shade_point}
+#import lorelei::shade_lights::{scene}
 
 struct ShadeLayer {
     // Index in `fibres`.

@@ -44,6 +44,7 @@ choices! {
     /// Where strands are shaded.
     ShadingRate {
         PerVertex = "per-vertex", "Per vertex", "Once a vertex, interpolated between: the fastest";
+        PerFragment = "per-fragment", "Per fragment", "Wherever a strand touches a pixel, knowing how far from its axis: slower, sharper";
     }
 }
 

@@ -3,8 +3,8 @@
 
 use std::collections::HashMap;
 
-use lorelei_core::look::{Antialiasing, Look, Primitive, ShadingRate};
-use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
+use lorelei_core::look::{Look, Primitive};
+use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use super::{Band, FragmentInput, vertices_per_segment};
@@ -16,7 +16,7 @@ use crate::sort::Sort;
 pub(crate) struct Blended {
     keys: Hot<Kernel>,
     sort: Sort,
-    draws: HashMap<(Primitive, Antialiasing, ShadingRate), Hot<Draw>>,
+    draws: HashMap<(Primitive, Vec<Link<'static>>), Hot<Draw>>,
     band: wgpu::Buffer,
 }
 
@@ -53,12 +53,13 @@ impl Blended {
             Primitive::Compute | Primitive::Ribbons => Primitive::Ribbons,
             Primitive::Polylines => Primitive::Polylines,
         };
-        let key = (primitive, look.antialiasing, look.shading_rate);
-        let make = |library: &ShaderLibrary| make_draw(gpu, library, primitive, look);
+        let key = (primitive, links_of(look));
+        let make = |library: &ShaderLibrary| make_draw(gpu, library, primitive, &key.1);
         if let Some(draw) = self.draws.get_mut(&key) {
             draw.refresh(library, make);
         } else {
-            self.draws.insert(key, Hot::new(library, make)?);
+            let draw = Hot::new(library, make)?;
+            self.draws.insert(key.clone(), draw);
         }
         self.sort.prepare(gpu, library, input.n_items)?;
         let band = Band { n_rows: input.size[1], ..bytemuck::Zeroable::zeroed() };
@@ -97,9 +98,18 @@ fn make_keys(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernel, ShaderError> 
     library.kernel(gpu, "ribbons_keys", "write_keys", &[], &[])
 }
 
-fn make_draw(gpu: &Gpu, library: &ShaderLibrary, primitive: Primitive, look: &Look) -> Result<Draw, ShaderError> {
+fn links_of(look: &Look) -> Vec<Link<'static>> {
     let mut links = vec![slot::antialiasing(look.antialiasing)];
     links.extend(slot::shading_rate(look));
+    links
+}
+
+fn make_draw(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    primitive: Primitive,
+    links: &[Link<'static>],
+) -> Result<Draw, ShaderError> {
     let (vertex, fragment, topology) = match primitive {
         Primitive::Compute | Primitive::Ribbons => ("strip", "strip_fragment", wgpu::PrimitiveTopology::TriangleList),
         Primitive::Polylines => ("line", "line_fragment", wgpu::PrimitiveTopology::LineList),
@@ -112,7 +122,7 @@ fn make_draw(gpu: &Gpu, library: &ShaderLibrary, primitive: Primitive, look: &Lo
     let descriptor = DrawDescriptor {
         vertex,
         fragment: Some(fragment),
-        links: &links,
+        links,
         primitive: wgpu::PrimitiveState { topology, ..wgpu::PrimitiveState::default() },
         targets: &[Some(target)],
         ..DrawDescriptor::default()

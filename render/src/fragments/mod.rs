@@ -23,7 +23,7 @@ mod technique;
 use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
-use lorelei_core::look::{Antialiasing, Look, Primitive, ShadingRate};
+use lorelei_core::look::{Look, Primitive};
 use lorelei_shaders::{Draw, DrawDescriptor, Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 use wgpu::BufferUsages;
 
@@ -67,14 +67,7 @@ pub(crate) struct FragmentInput<'a> {
 }
 
 /// What decides about the shaders of a pass over all fragments.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-struct PassKey {
-    primitive: Primitive,
-    antialiasing: Antialiasing,
-    rate: ShadingRate,
-    sink: &'static str,
-    keep: Option<&'static str>,
-}
+type PassKey = (Primitive, Vec<Link<'static>>);
 
 enum Pass {
     Splat(Kernel),
@@ -198,7 +191,7 @@ impl Fragments {
                 plan.dispatch(&mut pass, &bindings, [1, 1, 1]);
             }
             for &sink in &technique.sinks {
-                match &*self.passes[&PassKey::of(input.look, technique, sink)] {
+                match &*self.passes[&key_of(input.look, technique, sink)] {
                     Pass::Splat(kernel) => {
                         let bindings = kernel.bind_used(gpu, &resources)?;
                         let mut pass = encoder.begin_compute_pass(&compute(sink));
@@ -249,12 +242,13 @@ impl Fragments {
         look: &Look,
     ) -> Result<(), ShaderError> {
         for &sink in &technique.sinks {
-            let key = PassKey::of(look, technique, sink);
-            let make = |library: &ShaderLibrary| make_pass(gpu, library, key, look, technique.links(sink));
+            let key = key_of(look, technique, sink);
+            let make = |library: &ShaderLibrary| make_pass(gpu, library, &key);
             if let Some(pass) = self.passes.get_mut(&key) {
                 pass.refresh(library, make);
             } else {
-                self.passes.insert(key, Hot::new(library, make)?);
+                let pass = Hot::new(library, make)?;
+                self.passes.insert(key, pass);
             }
         }
         let make = |library: &ShaderLibrary| library.kernel(gpu, technique.composite, "composite", &[], &[]);
@@ -281,21 +275,18 @@ impl Fragments {
     }
 }
 
-impl PassKey {
-    fn of(look: &Look, technique: &Technique, sink: &'static str) -> Self {
-        Self {
-            primitive: look.primitive,
-            antialiasing: look.antialiasing,
-            rate: look.shading_rate,
-            sink,
-            keep: technique.keep,
-        }
-    }
+fn key_of(look: &Look, technique: &Technique, sink: &'static str) -> PassKey {
+    let mut links = technique.links(sink);
+    links.push(slot::antialiasing(look.antialiasing));
+    links.extend(slot::shading_rate(look));
+    (look.primitive, links)
 }
 
 /// What does not fit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a row of {width} pixels needs {needed} bytes in one buffer for this transparency and the GPU binds {available}; make the picture narrower")]
+#[error(
+    "a row of {width} pixels needs {needed} bytes in one buffer for this transparency and the GPU binds {available}; make the picture narrower"
+)]
 pub struct TooWide {
     pub width: u32,
     pub needed: u64,
@@ -324,17 +315,9 @@ fn compute(label: &str) -> wgpu::ComputePassDescriptor<'_> {
 }
 
 /// The shaders of a pass over all fragments.
-fn make_pass(
-    gpu: &Gpu,
-    library: &ShaderLibrary,
-    key: PassKey,
-    look: &Look,
-    mut links: Vec<Link<'static>>,
-) -> Result<Pass, ShaderError> {
-    links.push(slot::antialiasing(key.antialiasing));
-    links.extend(slot::shading_rate(look));
-    let (vertex, fragment, topology) = match key.primitive {
-        Primitive::Compute => return library.kernel(gpu, "fragments_splat", "splat", &[], &links).map(Pass::Splat),
+fn make_pass(gpu: &Gpu, library: &ShaderLibrary, (primitive, links): &PassKey) -> Result<Pass, ShaderError> {
+    let (vertex, fragment, topology) = match primitive {
+        Primitive::Compute => return library.kernel(gpu, "fragments_splat", "splat", &[], links).map(Pass::Splat),
         Primitive::Ribbons => ("strip", "strip_fragment", wgpu::PrimitiveTopology::TriangleList),
         Primitive::Polylines => ("line", "line_fragment", wgpu::PrimitiveTopology::LineList),
     };
@@ -343,7 +326,7 @@ fn make_pass(
     let descriptor = DrawDescriptor {
         vertex,
         fragment: Some(fragment),
-        links: &links,
+        links,
         primitive: wgpu::PrimitiveState { topology, ..wgpu::PrimitiveState::default() },
         targets: &[Some(target)],
         ..DrawDescriptor::default()

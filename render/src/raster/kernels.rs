@@ -6,7 +6,7 @@ use lorelei_shaders::{Gpu, Kernel, Link, ShaderError, ShaderLibrary};
 use crate::slot;
 
 /// What the threads of the last pass own: the fastest depends on the kind of device.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Threads {
     /// A thread walks the pixels of a segment and adds to sums in workgroup memory: `raster_fine.wgsl`.
     Segments,
@@ -50,27 +50,25 @@ impl Threads {
         if is_plain && look.shading_rate == ShadingRate::PerVertex { self } else { Self::Segments }
     }
 
-    /// The last pass; `is_wide` only matters to lanes.
-    pub fn fine(
-        self,
-        library: &ShaderLibrary,
-        gpu: &Gpu,
-        look: &Look,
-        is_wide: bool,
-    ) -> Result<Kernel, ShaderError> {
+    /// The file of the last pass.
+    pub fn fine_file(self) -> &'static str {
+        match self {
+            Self::Segments => "raster_fine",
+            Self::Lanes => "raster_lanes",
+        }
+    }
+
+    /// What is linked into it; `is_wide` only matters to lanes.
+    pub fn fine_links(self, look: &Look, is_wide: bool) -> Vec<Link<'static>> {
         let mut links = vec![self.tile_slot()];
-        let file = match self {
+        match self {
             Self::Segments => {
                 links.push(slot::antialiasing(look.antialiasing));
                 links.extend(slot::shading_rate(look));
-                "raster_fine"
             }
-            Self::Lanes => {
-                links.extend(is_wide.then_some(Link::Def("WIDE")));
-                "raster_lanes"
-            }
-        };
-        library.kernel(gpu, file, "fine", &[], &links)
+            Self::Lanes => links.extend(is_wide.then_some(Link::Def("WIDE"))),
+        }
+        links
     }
 }
 

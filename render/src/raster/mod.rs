@@ -23,11 +23,10 @@ mod kernels;
 
 use std::collections::HashMap;
 
-use lorelei_core::look::{Antialiasing, Look, ShadingRate};
-use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
-use crate::frame::Targets;
+use crate::fragments::FragmentInput;
 use crate::mirror::{DrawnLayer, StrandBuffers};
 use crate::scene::Ball;
 use crate::view::View;
@@ -65,8 +64,8 @@ struct FrameUniform {
     pad: u32,
 }
 
-/// Segments in pixels: what tiles are filled from.
-#[derive(Debug)]
+/// Segments in pixels: what tiles are filled from. Handles: a clone is the same.
+#[derive(Debug, Clone)]
 pub(crate) struct Segments {
     pub frame: wgpu::Buffer,
     pub layers: wgpu::Buffer,
@@ -80,11 +79,19 @@ pub(crate) struct Segments {
     n_sampled: u32,
 }
 
+impl Segments {
+    /// What the frame and its strands are: whatever goes over segments binds it.
+    pub fn frame_resources(&self) -> [(&'static str, wgpu::BindingResource<'_>); 2] {
+        [("raster", self.frame.as_entire_binding()), ("raster_layers", self.layers.as_entire_binding())]
+    }
+}
+
 /// The rasteriser with its buffers.
 pub(crate) struct Raster {
     threads: Threads,
     kernels: Hot<Kernels>,
-    fine: HashMap<(Antialiasing, ShadingRate, bool), Hot<Kernel>>,
+    /// By what is linked into them.
+    fine: HashMap<Vec<Link<'static>>, Hot<Kernel>>,
     pub segments: Segments,
     buckets: wgpu::Buffer,
     tiles: wgpu::Buffer,
@@ -303,24 +310,21 @@ impl Raster {
         Ok(())
     }
 
-    /// Draw a round's tiles into `targets.hair`.
+    /// Draw a round's tiles into `input.hair`.
     fn record_fine(
         &self,
         gpu: &Gpu,
         encoder: &mut wgpu::CommandEncoder,
         fine: &Kernel,
-        radiance: &wgpu::Buffer,
-        targets: &Targets,
+        input: &FragmentInput<'_>,
         round: usize,
     ) -> Result<(), ShaderError> {
         let mut resources = self.resources();
+        resources.extend(input.resources.iter().cloned());
         resources.extend([
             ("round", self.rounds[round].as_entire_binding()),
-            ("radiance", radiance.as_entire_binding()),
             ("bucket_ends", self.buckets.as_entire_binding()),
-            ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
-            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
-            ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
+            ("hair", wgpu::BindingResource::TextureView(input.hair)),
         ]);
         let bindings = fine.bind_used(gpu, &resources)?;
         let mut pass = encoder
@@ -329,34 +333,31 @@ impl Raster {
         Ok(())
     }
 
-    /// Fill the list and draw from it, as often as its length asks for.
+    /// Fill the list and draw from it into `input.hair`, which was cleared, as often as its length asks for.
     pub fn record_tiles(
         &mut self,
         gpu: &Gpu,
         library: &ShaderLibrary,
         encoder: &mut wgpu::CommandEncoder,
-        transparency: Transparency,
-        radiance: &wgpu::Buffer,
-        targets: &Targets,
+        input: &FragmentInput<'_>,
         profile: &mut crate::profile::Profile,
     ) -> Result<(), ShaderError> {
         let threads = self.threads;
-        let key = (transparency, self.is_wide && threads == Threads::Lanes);
-        let make = |library: &ShaderLibrary| threads.fine(library, gpu, key);
+        let key = threads.fine_links(input.look, self.is_wide);
+        let make = |library: &ShaderLibrary| library.kernel(gpu, threads.fine_file(), "fine", &[], &key);
         if let Some(kernel) = self.fine.get_mut(&key) {
             kernel.refresh(library, make);
         } else {
-            self.fine.insert(key, Hot::new(library, make)?);
+            let kernel = Hot::new(library, make)?;
+            self.fine.insert(key.clone(), kernel);
         }
         let fine = &self.fine[&key];
-        // Tiles without hair are not drawn.
-        targets.clear_hair(encoder);
         profile.pass("raster.scatter", encoder, |encoder| self.record_scatter(gpu, encoder, 0))?;
-        profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, radiance, targets, 0))?;
+        profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, input, 0))?;
         profile.pass("raster.more_rounds", encoder, |encoder| {
             for round in 1..N_ROUNDS as usize {
                 self.record_scatter(gpu, encoder, round)?;
-                self.record_fine(gpu, encoder, fine, radiance, targets, round)?;
+                self.record_fine(gpu, encoder, fine, input, round)?;
             }
             Ok(())
         })
@@ -364,9 +365,10 @@ impl Raster {
 
     fn resources(&self) -> Vec<(&'static str, wgpu::BindingResource<'_>)> {
         let segments = &self.segments;
+        let [frame, layers] = segments.frame_resources();
         vec![
-            ("raster", segments.frame.as_entire_binding()),
-            ("raster_layers", segments.layers.as_entire_binding()),
+            frame,
+            layers,
             ("lines", segments.lines.as_entire_binding()),
             ("spans", segments.spans.as_entire_binding()),
             ("bins", segments.bins.as_entire_binding()),

@@ -26,10 +26,15 @@ pub fn supersampling(choice: Antialiasing) -> u32 {
     }
 }
 
-/// `lorelei::radiance`: where strands are shaded.
+/// `lorelei::radiance`: where strands are shaded; with what shades them, where that is asked for there.
 pub fn shading_rate(look: &Look) -> Vec<Link<'static>> {
     match look.shading_rate {
         ShadingRate::PerVertex => vec![Link::Slot("radiance", "radiance_vertex")],
+        ShadingRate::PerFragment => {
+            let mut links = crate::shade::links(look);
+            links.push(Link::Slot("radiance", "radiance_fragment"));
+            links
+        }
     }
 }
 

@@ -27,9 +27,30 @@ impl Case {
         folder.join(format!("{}.png", self.name.replace('=', "-is-")))
     }
 
-    /// Pixels mix the strands that touch them.
+    /// Pixels mix the strands that touch them, and do not choose among them.
     pub fn is_blended(&self) -> bool {
-        self.groom().look.transparency != Transparency::Opaque
+        match self.groom().look.transparency {
+            Transparency::FrontToBack | Transparency::WeightedAverage | Transparency::Sorted => true,
+            Transparency::DepthPeeling | Transparency::Occupancy | Transparency::KNearest => true,
+            Transparency::Opaque | Transparency::AlphaTest | Transparency::Hashed => false,
+            Transparency::AlphaToCoverage | Transparency::Stochastic | Transparency::ThreeSubsets => false,
+        }
+    }
+
+    /// The choice is another way to the default's picture: how strands are drawn, or what order they come in.
+    pub fn is_another_way(&self) -> bool {
+        let slot = self.name.split('=').next().unwrap_or_default();
+        let look = self.groom().look;
+        let is_ordered = match look.transparency {
+            Transparency::FrontToBack | Transparency::Sorted | Transparency::DepthPeeling => true,
+            Transparency::Occupancy | Transparency::KNearest => true,
+            // Right on average.
+            Transparency::Stochastic | Transparency::WeightedAverage => true,
+            Transparency::Opaque | Transparency::AlphaTest | Transparency::Hashed => false,
+            Transparency::AlphaToCoverage | Transparency::ThreeSubsets => false,
+        };
+        let draws = ["primitive", "antialiasing", "rate"].contains(&slot);
+        draws || (slot == "transparency" && is_ordered)
     }
 
     fn groom(&self) -> Groom {
