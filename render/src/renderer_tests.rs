@@ -165,12 +165,18 @@ fn every_transparency_is_as_near_the_exact_picture_as_it_promises() {
             assert!(rmse < most, "{primitive:?}, {transparency:?}: {rmse}");
             // What blends covers as much as it should; so does noise, on average.
             let is_unbiased = match transparency {
-                Transparency::FrontToBack | Transparency::Sorted | Transparency::Occupancy | Transparency::KNearest => {
-                    true
-                }
-                Transparency::WeightedAverage | Transparency::Stochastic | Transparency::Hashed => true,
-                Transparency::Opaque | Transparency::AlphaTest | Transparency::AlphaToCoverage => false,
-                Transparency::ThreeSubsets | Transparency::DepthPeeling => false,
+                Transparency::FrontToBack
+                | Transparency::Sorted
+                | Transparency::Occupancy
+                | Transparency::KNearest
+                | Transparency::WeightedAverage
+                | Transparency::Stochastic
+                | Transparency::Hashed => true,
+                Transparency::Opaque
+                | Transparency::AlphaTest
+                | Transparency::AlphaToCoverage
+                | Transparency::ThreeSubsets
+                | Transparency::DepthPeeling => false,
             };
             assert!(!is_unbiased || (coverage - 1.0).abs() < 0.02, "{primitive:?}, {transparency:?}: {coverage}");
         }

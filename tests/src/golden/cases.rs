@@ -30,10 +30,18 @@ impl Case {
     /// Pixels mix the strands that touch them, and do not choose among them.
     pub fn is_blended(&self) -> bool {
         match self.groom().look.transparency {
-            Transparency::FrontToBack | Transparency::WeightedAverage | Transparency::Sorted => true,
-            Transparency::DepthPeeling | Transparency::Occupancy | Transparency::KNearest => true,
-            Transparency::Opaque | Transparency::AlphaTest | Transparency::Hashed => false,
-            Transparency::AlphaToCoverage | Transparency::Stochastic | Transparency::ThreeSubsets => false,
+            Transparency::FrontToBack
+            | Transparency::WeightedAverage
+            | Transparency::Sorted
+            | Transparency::DepthPeeling
+            | Transparency::Occupancy
+            | Transparency::KNearest => true,
+            Transparency::Opaque
+            | Transparency::AlphaTest
+            | Transparency::Hashed
+            | Transparency::AlphaToCoverage
+            | Transparency::Stochastic
+            | Transparency::ThreeSubsets => false,
         }
     }
 
@@ -42,12 +50,18 @@ impl Case {
         let slot = self.name.split('=').next().unwrap_or_default();
         let look = self.groom().look;
         let is_ordered = match look.transparency {
-            Transparency::FrontToBack | Transparency::Sorted | Transparency::DepthPeeling => true,
-            Transparency::Occupancy | Transparency::KNearest => true,
+            Transparency::FrontToBack
+            | Transparency::Sorted
+            | Transparency::DepthPeeling
+            | Transparency::Occupancy
+            | Transparency::KNearest
             // Right on average.
-            Transparency::Stochastic | Transparency::WeightedAverage => true,
-            Transparency::Opaque | Transparency::AlphaTest | Transparency::Hashed => false,
-            Transparency::AlphaToCoverage | Transparency::ThreeSubsets => false,
+            | Transparency::Stochastic
+            | Transparency::WeightedAverage => true,
+            Transparency::Opaque
+            | Transparency::AlphaTest
+            | Transparency::Hashed
+            | Transparency::AlphaToCoverage | Transparency::ThreeSubsets => false,
         };
         let draws = ["primitive", "antialiasing", "rate"].contains(&slot);
         draws || (slot == "transparency" && is_ordered)
