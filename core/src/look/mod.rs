@@ -6,9 +6,11 @@
 
 mod drawing;
 mod picture;
+pub mod presets;
 mod scattering;
 mod shadowing;
 mod slot;
+pub mod view;
 
 use serde::{Deserialize, Serialize};
 
@@ -18,6 +20,7 @@ pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scatterin
 pub use shadowing::{DeepOpacityParams, Shadowing};
 pub(crate) use slot::choices;
 pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot, Switch, set};
+pub use view::{FalseColour, ViewParams};
 
 /// Every slot's choice, with the parameters of all its choices, so that switching back loses nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,6 +67,8 @@ pub struct Look {
     pub background_grey: f32,
     /// 0-1: share of the strands drawn, the rest's area given to them as width.
     pub lod: f32,
+    pub view: FalseColour,
+    pub view_params: ViewParams,
 }
 
 impl Default for Look {
@@ -100,6 +105,8 @@ impl Default for Look {
             background: Background::Gradient,
             background_grey: 0.28,
             lod: 1.0,
+            view: FalseColour::Final,
+            view_params: ViewParams::default(),
         }
     }
 }
@@ -132,6 +139,7 @@ impl Look {
             ),
             picture::tonemapping(&mut self.tonemapping, &mut self.exposure, &mut self.white_balance),
             picture::background(&mut self.background, &mut self.background_grey),
+            view::view(&mut self.view, &mut self.view_params),
         ]
     }
 }
