@@ -95,7 +95,7 @@ fn strands_that_lie_over_each_other_are_counted() {
     let Source::Strands(one) = groom.layers[0].source.clone() else { panic!("it was made of strands") };
     let mut five = Strands::default();
     for depth in 0..5 {
-        let points: Vec<Vec3> = one.points.iter().map(|&p| p - Vec3::Z * depth as f32).collect();
+        let points: Vec<Vec3> = one.points.iter().map(|&p| p - 0.2 * Vec3::Z * depth as f32).collect();
         five.push(&points);
     }
     groom.layers[0].source = Source::Strands(Arc::new(five));

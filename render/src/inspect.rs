@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lorelei_core::look::presets::TERMS;
-use lorelei_core::look::{Environment, Look, MultipleScattering};
+use lorelei_core::look::{Environment, Look};
 use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -78,7 +78,7 @@ pub struct InspectedStrand {
     pub radius_um: f32,
     /// All of its radiance towards the eye, linear RGB.
     pub radiance: [f32; 3],
-    /// What each term adds, by the labels of [`TERMS`]; lobes only where they add up to the single scattering.
+    /// What each term adds; lobes, by the labels of [`TERMS`], where they add up to the single scattering.
     pub terms: Vec<(&'static str, [f32; 3])>,
     /// By lamp of the scene; a square lamp is four.
     pub lights: Vec<InspectedLight>,
@@ -213,7 +213,7 @@ impl Inspector {
         Ok(())
     }
 
-    /// The radiance of everything together, of single scattering, of each term and of each lamp, and each lamp's depths.
+    /// The radiance of everything together, of each term and of each lamp, and each lamp's depths.
     fn record_terms(
         &mut self,
         gpu: &Gpu,
@@ -223,10 +223,18 @@ impl Inspector {
         results: &wgpu::Buffer,
     ) -> Result<(Vec<&'static str>, usize), ShaderError> {
         let look = input.look;
-        let single =
-            Look { multiple_scattering: MultipleScattering::Off, environment: Environment::Off, ..look.clone() };
-        let mut asked: Vec<(&'static str, Look)> = vec![(TOTAL, look.clone()), (SINGLE, single)];
-        asked.extend(TERMS.iter().filter(|(term, _)| !is_off(look, term)).map(|(term, name)| (*name, look.solo(term))));
+        let mut asked: Vec<(&'static str, Look)> = vec![
+            (TOTAL, look.clone()),
+            (LAMPS, Look { environment: Environment::Off, ..look.clone() }),
+            (REST, with_lobe(look, None)),
+        ];
+        for (term, name) in TERMS.iter().filter(|(term, _)| !is_off(look, term)) {
+            if is_lobe(term) {
+                asked.push((name, with_lobe(look, Some(term))));
+            } else if *term == "environment" {
+                asked.push((name, look.solo(term)));
+            }
+        }
         let mut scene = SceneBuffers::new(gpu);
         scene.update(gpu, input.lights, look, input.eye);
         for (i, (_, look)) in asked.iter().enumerate() {
@@ -288,7 +296,28 @@ pub enum InspectError {
 }
 
 const TOTAL: &str = "Total";
+const LAMPS: &str = "Lamps";
 const SINGLE: &str = "Single scattering";
+const REST: &str = "Multiple and rest";
+const ALL_SCATTERING: &str = "All scattering";
+
+/// Whether a term of [`TERMS`] is a lobe of single scattering.
+pub fn is_lobe(term: &str) -> bool {
+    !matches!(term, "multiple" | "environment")
+}
+
+/// The lamps' light by one lobe at most, and by multiple scattering as it is. Multiple scattering stays on: what the
+/// way through the hair does to single scattering is decided there.
+fn with_lobe(look: &Look, lobe: Option<&str>) -> Look {
+    let mut look = Look { environment: Environment::Off, ..look.clone() };
+    for slot in look.slots() {
+        let is_other = TERMS.iter().any(|(term, _)| *term == slot.key && is_lobe(term)) && lobe != Some(slot.key);
+        if is_other && let Some(off) = slot.choice.infos().iter().position(|info| info.name == "off") {
+            slot.choice.set_index(off);
+        }
+    }
+    look
+}
 
 fn is_off(look: &Look, term: &str) -> bool {
     look.clone().slots().iter().any(|slot| slot.key == term && slot.chosen().name == "off")
@@ -325,20 +354,30 @@ fn answer(input: &InspectInput<'_>, results: &[[f32; 4]], asked: &[&'static str]
     Inspection { pixel: input.pixel, hair: results[HAIR], body: results[BODY], display: results[DISPLAY], strand }
 }
 
-/// The parts that make up the whole: lobes where they add up to the single scattering, else that as one. (A model that
-/// knows no lobes shows all of it for each.)
+/// The parts that make up the whole. What is left without any lobe is multiple scattering, and what a model has beyond
+/// its lobes; a lobe is what it adds to that. A model that knows no lobes shows the same with and without them, and
+/// lobes that do not add up are shown as one.
 fn terms_of(parts: &[(&'static str, [f32; 3])]) -> Vec<(&'static str, [f32; 3])> {
-    let is_lobe =
-        |name: &str| TERMS.iter().any(|(key, label)| *label == name && !matches!(*key, "multiple" | "environment"));
-    let lobes: Vec<_> = parts.iter().filter(|(name, _)| is_lobe(name)).copied().collect();
-    let others = parts.iter().filter(|(name, _)| *name != TOTAL && *name != SINGLE && !is_lobe(name)).copied();
-    let single = parts.iter().find(|(name, _)| *name == SINGLE).map_or([0.0; 3], |(_, rgb)| *rgb);
-    let sum = lobes.iter().fold(Vec3::ZERO, |sum, (_, rgb)| sum + Vec3::from_array(*rgb));
-    let apart = (sum - Vec3::from_array(single)).abs().max_element();
-    let add_up = apart <= 0.01 * Vec3::from_array(single).max_element() + 1e-6;
-    let mut terms = if add_up { lobes } else { vec![(SINGLE, single)] };
-    terms.extend(others);
-    terms
+    let of = |wanted: &str| parts.iter().find(|(name, _)| *name == wanted).map(|(_, rgb)| Vec3::from_array(*rgb));
+    let lamps = of(LAMPS).unwrap_or_default();
+    let rest = of(REST).unwrap_or_default();
+    let lobes: Vec<(&'static str, Vec3)> = TERMS
+        .iter()
+        .filter(|(term, _)| is_lobe(term))
+        .filter_map(|(_, name)| Some((*name, of(name)? - rest)))
+        .collect();
+    let single = lamps - rest;
+    let slack = 0.01 * lamps.max_element() + 1e-6;
+    let add_up = (lobes.iter().map(|(_, rgb)| *rgb).sum::<Vec3>() - single).abs().max_element() <= slack;
+    let mut terms = match (single.abs().max_element() <= 1e-6, add_up) {
+        (true, _) => vec![(ALL_SCATTERING, lamps)],
+        (false, true) => lobes.into_iter().chain([(REST, rest)]).collect(),
+        (false, false) => vec![(SINGLE, single), (REST, rest)],
+    };
+    terms.extend(
+        TERMS.iter().filter(|(term, _)| *term == "environment").filter_map(|(_, name)| Some((*name, of(name)?))),
+    );
+    terms.into_iter().map(|(name, rgb)| (name, rgb.to_array())).collect()
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 use lorelei_core::light::Light;
 use lorelei_core::look::{Environment, Look};
+use lorelei_render::inspect::is_lobe;
 use lorelei_render::versus::Comparison;
 
 /// The only light that is shown.
@@ -26,6 +27,12 @@ impl Shown {
     /// A look with what is alone in it.
     pub fn look(&self, look: &Look) -> Look {
         match self.solo {
+            Some(Solo::Term(term)) if is_lobe(term) => Look {
+                // What the way through the hair does to single scattering belongs to this slot: only its light is left out.
+                multiple_scattering: look.multiple_scattering,
+                multiple_scattering_weight: 0.0,
+                ..look.solo(term)
+            },
             Some(Solo::Term(term)) => look.solo(term),
             Some(Solo::Light(_)) => Look { environment: Environment::Off, ..look.clone() },
             None => look.clone(),
@@ -61,6 +68,7 @@ mod tests {
         assert_eq!(shown(None).lights(&lights), lights);
         let r = shown(Some(Solo::Term("r"))).look(&look);
         assert_eq!((r.lobe_r, r.lobe_tt, r.environment), (Switch::On, Switch::Off, Environment::Off));
+        assert_eq!((r.multiple_scattering, r.multiple_scattering_weight), (look.multiple_scattering, 0.0));
         let one = shown(Some(Solo::Light(1)));
         assert_eq!(one.look(&look), Look { environment: Environment::Off, ..look.clone() });
         let on: Vec<bool> = one.lights(&lights).iter().map(|light| light.on).collect();
