@@ -568,8 +568,8 @@ impl Worker {
         }
     }
 
-    /// Whether the request's picture is there already, in full: only where two looks are wiped, or which pixel is to be
-    /// inspected, is another.
+    /// Whether the request's picture is there already, in full: only where two looks are wiped, which pixel is to be
+    /// inspected, or whether a hand is at work, is another.
     fn is_drawn_but_for_words(&self, request: &FrameRequest) -> bool {
         let Some(drawn) = &self.drawn else { return false };
         let is_same_versus = |a: &Shown, b: &Shown| {
@@ -583,7 +583,8 @@ impl Worker {
         };
         alike == *drawn
             && is_same_versus(&request.shown, &drawn.shown)
-            && (request.shown != drawn.shown || request.inspect != drawn.inspect)
+            // The very same request is one to draw again: a shader has changed.
+            && request != drawn
             && self.on_stage == Some(request.state)
             && !self.pacer.wants_full()
             && !request.playback.is_playing
