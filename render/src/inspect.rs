@@ -228,12 +228,8 @@ impl Inspector {
             (LAMPS, Look { environment: Environment::Off, ..look.clone() }),
             (REST, with_lobe(look, None)),
         ];
-        for (term, name) in TERMS.iter().filter(|(term, _)| !is_off(look, term)) {
-            if is_lobe(term) {
-                asked.push((name, with_lobe(look, Some(term))));
-            } else if *term == "environment" {
-                asked.push((name, look.solo(term)));
-            }
+        for (term, name) in TERMS.iter().filter(|(term, _)| is_lobe(term) && !is_off(look, term)) {
+            asked.push((name, with_lobe(look, Some(term))));
         }
         let mut scene = SceneBuffers::new(gpu);
         scene.update(gpu, input.lights, look, input.eye);
@@ -299,6 +295,7 @@ const TOTAL: &str = "Total";
 const LAMPS: &str = "Lamps";
 const SINGLE: &str = "Single scattering";
 const REST: &str = "Multiple and rest";
+const ENVIRONMENT: &str = "Environment";
 const ALL_SCATTERING: &str = "All scattering";
 
 /// Whether a term of [`TERMS`] is a lobe of single scattering.
@@ -374,9 +371,7 @@ fn terms_of(parts: &[(&'static str, [f32; 3])]) -> Vec<(&'static str, [f32; 3])>
         (false, true) => lobes.into_iter().chain([(REST, rest)]).collect(),
         (false, false) => vec![(SINGLE, single), (REST, rest)],
     };
-    terms.extend(
-        TERMS.iter().filter(|(term, _)| *term == "environment").filter_map(|(_, name)| Some((*name, of(name)?))),
-    );
+    terms.push((ENVIRONMENT, of(TOTAL).unwrap_or_default() - lamps));
     terms.into_iter().map(|(name, rgb)| (name, rgb.to_array())).collect()
 }
 

@@ -58,6 +58,13 @@ fn first_of(segment: u32) -> u32 {
     return inspect_layer.first_vertex + segment / per_strand * inspect_layer.vertices_per_strand + segment % per_strand;
 }
 
+// As the kernel `shade` has it, of the strand's vertex `at`.
+fn tangent_at(vertex: u32, at: u32) -> vec3<f32> {
+    let last = inspect_layer.vertices_per_strand - 1u;
+    let along = vertices[vertex + min(last - at, 1u)].xyz - vertices[vertex - min(at, 1u)].xyz;
+    return along * inverseSqrt(max(dot(along, along), 1e-12));
+}
+
 @compute @workgroup_size(64)
 fn find_depth(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
     let segment = segment_of(id, n_groups);
@@ -82,9 +89,10 @@ fn find_strand(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgr
         return;
     }
     let per_strand = inspect_layer.vertices_per_strand - 1u;
-    let along = vertices[a + 1u].xyz - vertices[a].xyz;
+    let at = segment % per_strand;
+    let along = mix(tangent_at(a, at), tangent_at(a + 1u, at + 1u), near.along);
     let place = mix(vertices[a], vertices[a + 1u], near.along);
-    let t = (f32(segment % per_strand) + near.along) / f32(per_strand);
+    let t = (f32(at) + near.along) / f32(per_strand);
     inspected[PLACE] = vec4<f32>(place.xyz, near.depth);
     inspected[TANGENT] = vec4<f32>(along * inverseSqrt(max(dot(along, along), 1e-12)), t);
     inspected[STRAND] =

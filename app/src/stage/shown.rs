@@ -42,6 +42,12 @@ impl Shown {
     /// The lamps that shine.
     pub fn lights(&self, lights: &[Light]) -> Vec<Light> {
         let mut lights = lights.to_vec();
+        if self.solo == Some(Solo::Term("environment")) {
+            // Dark lamps still say what of the environment gets into the hair.
+            for light in &mut lights {
+                light.intensity = 0.0;
+            }
+        }
         if let Some(Solo::Light(alone)) = self.solo
             && alone < lights.len()
         {
@@ -73,6 +79,8 @@ mod tests {
         assert_eq!(one.look(&look), Look { environment: Environment::Off, ..look.clone() });
         let on: Vec<bool> = one.lights(&lights).iter().map(|light| light.on).collect();
         assert_eq!(on, [false, true, false]);
+        let environment = shown(Some(Solo::Term("environment")));
+        assert!(environment.lights(&lights).iter().all(|light| light.on && light.intensity == 0.0));
         // A lamp that was removed meanwhile leaves the others as they are.
         assert_eq!(shown(Some(Solo::Light(9))).lights(&lights), lights);
     }

@@ -57,7 +57,7 @@ fn looks_are_wiped_coloured_kept_and_inspected_with_real_events() {
 
     // What is under the pointer.
     studio.key("i");
-    studio.move_to((f64::midpoint(left, right), top + 0.3 * (bottom - top)));
+    studio.move_to((f64::midpoint(left, right), top + 0.45 * (bottom - top)));
     let found = studio.wait("a strand under the pointer", |state| state["room"]["inspected"]["strand"].is_number());
     assert!(found["room"]["inspected"]["terms"].as_u64() > Some(2), "{}", found["room"]);
     studio.screenshot("5_inspected");
