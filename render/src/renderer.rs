@@ -7,7 +7,7 @@ use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::io::Watch;
 use lorelei_core::light::Light;
 use lorelei_core::lod::LodBlend;
-use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing};
+use lorelei_core::look::{HeadShading, Look, Primitive, ShadowParams, Shadowing};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -82,7 +82,7 @@ struct HairKey {
 #[derive(Debug, Clone, PartialEq)]
 struct ShadowKey {
     shadowing: Shadowing,
-    params: DeepOpacityParams,
+    params: ShadowParams,
     lights: SceneLights,
     head_casts: bool,
 }
@@ -131,7 +131,7 @@ impl Renderer {
             ball: Ball { centre: Vec3::ZERO, radius: 1.0 },
             generator: StrandGenerator::new(gpu, &library)?,
             scene: SceneBuffers::new(gpu),
-            shadow: Shadow::new(gpu, &library)?,
+            shadow: Shadow::new(gpu),
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
             raster: Raster::new(gpu, &library, threads)?,
@@ -260,7 +260,7 @@ impl Renderer {
         let scene_is_new = self.scene.update(gpu, &lights, look, input.camera.eye());
         let shadow_input = ShadowInput {
             shadowing: look.shadowing,
-            params: &look.deep_opacity,
+            params: &look.shadows,
             lights: &lights,
             ball: self.ball,
             world_from_head: input.world_from_head,
@@ -289,7 +289,7 @@ impl Renderer {
         };
         let shadow_key = ShadowKey {
             shadowing: look.shadowing,
-            params: look.deep_opacity.clone(),
+            params: look.shadows.clone(),
             lights: lights.clone(),
             head_casts: shadow_input.head_casts,
         };

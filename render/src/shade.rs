@@ -37,8 +37,8 @@ pub fn links(look: &Look) -> Vec<Link<'static>> {
         slot::scattering(look.scattering),
         slot::multiple_scattering(look.multiple_scattering),
         slot::environment(look.environment),
-        slot::shadowing(look.shadowing),
     ]);
+    links.extend(slot::shadowing(look.shadowing));
     links
 }
 
@@ -245,7 +245,7 @@ mod tests {
             widest: 0.01,
             generation: 1,
         };
-        let shadow = Shadow::new(&gpu, &library).unwrap();
+        let shadow = Shadow::new(&gpu);
         let mut scene = SceneBuffers::new(&gpu);
         let is_new = scene.update(&gpu, &SceneLights::new(lights), look, Vec3::new(0.0, 0.0, 100.0));
         let mut shade = Shade::new(&gpu);

@@ -84,7 +84,7 @@ struct Moving {
 
 /// Shaders of a folder where `LORELEI_SHADERS` names one, for whoever edits them: each frame looks whether a file has
 /// changed. The program's own otherwise.
-fn shader_library() -> Result<ShaderLibrary, ShaderError> {
+pub fn shader_library() -> Result<ShaderLibrary, ShaderError> {
     match std::env::var_os("LORELEI_SHADERS") {
         Some(folder) => ShaderLibrary::watching(folder.as_ref()),
         None => Ok(ShaderLibrary::embedded()),

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 pub use drawing::{Antialiasing, DrawingParams, Primitive, ShadingRate, Transparency};
 pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
 pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scattering};
-pub use shadowing::{DeepOpacityParams, Shadowing};
+pub use shadowing::{BeyondLast, LayerSpacing, ShadowParams, Shadowing};
 pub(crate) use slot::choices;
 pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot, Switch, set};
 pub use view::{FalseColour, ViewParams};
@@ -48,7 +48,9 @@ pub struct Look {
     pub environment_colour: [f32; 3],
     pub environment_intensity: f32,
     pub shadowing: Shadowing,
-    pub deep_opacity: DeepOpacityParams,
+    /// Older files call it by the one technique that there was then.
+    #[serde(alias = "deep_opacity")]
+    pub shadows: ShadowParams,
     pub head: HeadShading,
     /// Linear RGB diffuse albedo.
     pub skin_colour: [f32; 3],
@@ -93,7 +95,7 @@ impl Default for Look {
             environment_colour: [0.9, 0.95, 1.0],
             environment_intensity: 0.3,
             shadowing: Shadowing::DeepOpacity,
-            deep_opacity: DeepOpacityParams::default(),
+            shadows: ShadowParams::default(),
             head: HeadShading::Skin,
             skin_colour: [0.40, 0.265, 0.20],
             skin_gloss: 0.5,
@@ -129,7 +131,7 @@ impl Look {
                 &mut self.environment_colour,
                 &mut self.environment_intensity,
             ),
-            shadowing::shadowing(&mut self.shadowing, &mut self.deep_opacity),
+            shadowing::shadowing(&mut self.shadowing, &mut self.shadows),
             picture::head(
                 &mut self.head,
                 &mut self.skin_colour,
@@ -157,6 +159,10 @@ mod tests {
             for param in slot.params {
                 assert!(param.key.starts_with(&format!("{}.", slot.key)), "{}", param.key);
                 assert!(keys.insert(param.key.clone()), "{}", param.key);
+                if let ParamValue::Choice(choice) = &param.value {
+                    assert!(choice.infos().iter().any(|info| info.name == param.value.to_text()), "{}", param.key);
+                    continue;
+                }
                 let values: Vec<f32> = param.value.to_text().split(',').map(|v| v.parse().unwrap()).collect();
                 assert!(values.iter().all(|v| (param.min..=param.max).contains(v)), "{}", param.key);
             }
@@ -169,14 +175,16 @@ mod tests {
         set(&mut look.slots(), "shadowing", "off").unwrap();
         set(&mut look.slots(), "shadowing.layers", "5").unwrap();
         set(&mut look.slots(), "head.colour", "0.1, 0.2,0.3").unwrap();
+        set(&mut look.slots(), "shadowing.spacing", "fibonacci").unwrap();
         assert_eq!(
-            (look.shadowing, look.deep_opacity.n_layers, look.skin_colour),
-            (Shadowing::Off, 5, [0.1, 0.2, 0.3])
+            (look.shadowing, look.shadows.n_layers, look.skin_colour, look.shadows.layer_spacing),
+            (Shadowing::Off, 5, [0.1, 0.2, 0.3], LayerSpacing::Fibonacci)
         );
         let before = look.clone();
         for (key, value) in [
             ("shadowing", "magic"),
             ("shadowing.layers", "99"),
+            ("shadowing.spacing", "wide"),
             ("head.colour", "1,2"),
             ("nothing", "1"),
             ("r.weight", "NaN"),

@@ -1,38 +1,18 @@
 //! The maps against an exact sum over all segments, and the laws of their layers.
 
+mod laws;
+
 use glam::{Affine3A, Vec3};
 use lorelei_core::light::Light;
-use lorelei_core::look::{DeepOpacityParams, Shadowing};
+use lorelei_core::look::{ShadowParams, Shadowing};
 use lorelei_core::mesh::TriMesh;
-use lorelei_shaders::{Gpu, Link, ShaderLibrary};
+use lorelei_shaders::{Gpu, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use super::{Shadow, ShadowInput, ShadowLight, casters};
 use crate::mirror::{DrawnLayer, StrandBuffers};
 use crate::scene::{Ball, SceneLights};
-
-const LOOKUP: &str = "
-#import lorelei::shadow::{hair_depth, head_visibility, light_visibility}
-@group(0) @binding(auto) var<storage, read> positions: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read_write> answers: array<vec4<f32>>;
-@compute @workgroup_size(64)
-fn look_up(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= arrayLength(&positions) { return; }
-    let p = positions[id.x].xyz;
-    answers[id.x] = vec4<f32>(hair_depth(0u, p), head_visibility(0u, p), light_visibility(0u, p), 0.0);
-}";
-
-fn library() -> ShaderLibrary {
-    ShaderLibrary::from_sources(&[
-        ("shadow_map", include_str!("../../../shaders/wgsl/shadow_map.wgsl")),
-        ("shadow_build", include_str!("../../../shaders/wgsl/shadow_build.wgsl")),
-        ("shadow_filter", include_str!("../../../shaders/wgsl/shadow_filter.wgsl")),
-        ("shadow_head", include_str!("../../../shaders/wgsl/shadow_head.wgsl")),
-        ("shadow_deep_opacity", include_str!("../../../shaders/wgsl/shadow_deep_opacity.wgsl")),
-        ("shadow_off", include_str!("../../../shaders/wgsl/shadow_off.wgsl")),
-        ("look_up", LOOKUP),
-    ])
-}
+use crate::slot;
 
 const BALL: Ball = Ball { centre: Vec3::ZERO, radius: 5.0 };
 const RADIUS: f32 = 0.01;
@@ -79,47 +59,57 @@ fn strand_buffers(gpu: &Gpu, points: &[Vec3]) -> StrandBuffers {
     }
 }
 
-/// (optical depth, past the head, share of the light) at each position.
-fn look_up(
+/// (optical depth, past the head, share of the light) of each light at each position.
+fn look_up_all(
     points: &[Vec3],
     at: &[Vec3],
-    light: Light,
+    lights: &[Light],
     shadowing: Shadowing,
-    params: &DeepOpacityParams,
+    params: &ShadowParams,
     head: Option<&TriMesh>,
-) -> Vec<[f32; 4]> {
+) -> Vec<Vec<[f32; 4]>> {
     let gpu = Gpu::headless().unwrap();
-    let library = library();
+    let library = ShaderLibrary::embedded();
     let strands = strand_buffers(&gpu, points);
-    let mut shadow = Shadow::new(&gpu, &library).unwrap();
+    let mut shadow = Shadow::new(&gpu);
     shadow.set_head(&gpu, head);
-    let lights = SceneLights::new(&[light]);
+    let lights = SceneLights::new(lights);
     let world_from_head = Affine3A::IDENTITY;
     let input = ShadowInput { shadowing, params, lights: &lights, ball: BALL, world_from_head, head_casts: true };
     shadow.prepare(&gpu, &library, &strands, &input).unwrap();
-    let file = match shadowing {
-        Shadowing::DeepOpacity => "shadow_deep_opacity",
-        Shadowing::Off => "shadow_off",
-    };
-    let kernel = library.kernel(&gpu, "look_up", "look_up", &[], &[Link::Slot("shadow", file)]).unwrap();
-    let positions: Vec<[f32; 4]> = at.iter().map(|p| p.extend(0.0).to_array()).collect();
-    let positions = gpu.buffer_of("test.positions", &positions, BufferUsages::STORAGE);
-    let answers = gpu.buffer("test.answers", positions.size(), BufferUsages::STORAGE);
-    let mut resources = shadow.resources().to_vec();
-    resources.push(("positions", positions.as_entire_binding()));
-    resources.push(("answers", answers.as_entire_binding()));
+    let kernel = library.kernel(&gpu, "shadow_probe", "probe", &[], &slot::shadowing(shadowing)).unwrap();
+    let places: Vec<[f32; 4]> = (0..lights.lights.len())
+        .flat_map(|light_idx| at.iter().map(move |p| p.extend(light_idx as f32).to_array()))
+        .collect();
+    let buffer = gpu.buffer_of("test.places", &places, BufferUsages::STORAGE);
+    let answers = gpu.buffer("test.answers", buffer.size(), BufferUsages::STORAGE);
+    let mut resources = shadow.resources();
+    resources.push(("probe_places", buffer.as_entire_binding()));
+    resources.push(("probe_answers", answers.as_entire_binding()));
     let bindings = kernel.bind_used(&gpu, &resources).unwrap();
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     shadow.record(&mut encoder, &input);
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        kernel.dispatch_items(&mut pass, &bindings, at.len() as u32);
+        kernel.dispatch_items(&mut pass, &bindings, places.len() as u32);
     }
     gpu.queue.submit([encoder.finish()]);
+    gpu.take_error().unwrap();
     // A small buffer has room to spare.
-    let mut answers: Vec<[f32; 4]> = gpu.read_buffer(&answers).unwrap();
-    answers.truncate(at.len());
-    answers
+    let answers: Vec<[f32; 4]> = gpu.read_buffer(&answers).unwrap();
+    answers.chunks(at.len()).take(lights.lights.len()).map(<[_]>::to_vec).collect()
+}
+
+/// As [`look_up_all`], of one light.
+fn look_up(
+    points: &[Vec3],
+    at: &[Vec3],
+    light: Light,
+    shadowing: Shadowing,
+    params: &ShadowParams,
+    head: Option<&TriMesh>,
+) -> Vec<[f32; 4]> {
+    look_up_all(points, at, &[light], shadowing, params, head).remove(0)
 }
 
 /// Optical depth before a point: every bit of fibre nearer to the light, weighted by what the map's texels, filter taps
@@ -149,13 +139,8 @@ fn exact_depth(points: &[Vec3], map: &ShadowLight, at: Vec3, sigma_texels: f32) 
 fn transmittance_agrees_with_an_exact_sum_over_the_segments() {
     let points = cluster(1500);
     let at: Vec<Vec3> = points.iter().copied().step_by(23).collect();
-    let params = DeepOpacityParams {
-        n_layers: 7,
-        layer_size: 0.25,
-        resolution: 96,
-        filter_radius: 1.5,
-        ..DeepOpacityParams::default()
-    };
+    let params =
+        ShadowParams { n_layers: 7, layer_size: 0.25, resolution: 96, filter_radius: 1.5, ..ShadowParams::default() };
     let light = Light::directional("key", 30.0, 40.0, 1.0, [1.0; 3]);
     let answers = look_up(&points, &at, light.clone(), Shadowing::DeepOpacity, &params, None);
     let map =
@@ -180,7 +165,7 @@ fn without_hair_or_head_everything_arrives_and_off_is_the_same() {
     let points = cluster(400);
     let at: Vec<Vec3> = points.iter().copied().step_by(17).collect();
     let light = Light::directional("key", 0.0, 20.0, 1.0, [1.0; 3]);
-    let params = DeepOpacityParams { resolution: 64, ..DeepOpacityParams::default() };
+    let params = ShadowParams { resolution: 64, ..ShadowParams::default() };
     for answer in look_up(&points, &at, light.clone(), Shadowing::Off, &params, None) {
         assert_eq!(answer, [0.0, 1.0, 1.0, 0.0]);
     }
@@ -211,7 +196,7 @@ fn the_head_shadows_what_is_behind_it_under_parallel_and_point_light() {
         kind: lorelei_core::light::LightKind::Point { position: Vec3::new(0.0, 0.0, 60.0) },
         ..parallel.clone()
     };
-    let params = DeepOpacityParams { resolution: 128, ..DeepOpacityParams::default() };
+    let params = ShadowParams { resolution: 128, ..ShadowParams::default() };
     for light in [parallel, point] {
         let answers = look_up(&cluster(1), &at, light, Shadowing::DeepOpacity, &params, Some(&head));
         let past: Vec<f32> = answers.iter().map(|answer| answer[1]).collect();
@@ -236,7 +221,7 @@ fn hair_behind_the_head_does_not_darken_the_skin_in_front() {
     let both: Vec<Vec3> = veil.iter().copied().chain(lock).collect();
     let at: Vec<Vec3> = (0..9).map(|n| Vec3::new((n % 3) as f32 - 1.0, 0.6 * ((n / 3) as f32 - 1.0), 0.02)).collect();
     let light = Light::directional("key", 0.0, 0.0, 1.0, [1.0; 3]);
-    let params = DeepOpacityParams { n_layers: 2, layer_size: 0.2, resolution: 64, ..DeepOpacityParams::default() };
+    let params = ShadowParams { n_layers: 2, layer_size: 0.2, resolution: 64, ..ShadowParams::default() };
     let shade = |points: &[Vec3]| {
         look_up(points, &at, light.clone(), Shadowing::DeepOpacity, &params, Some(&head))
             .iter()

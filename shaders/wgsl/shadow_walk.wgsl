@@ -1,6 +1,7 @@
-// Deep opacity maps (Yuksel and Keyser 2008) in compute: one thread a segment and light, stepping along the
-// segment's longer axis. Pass 0 finds the front of the hair, pass 1 sums opacity behind it into layers.
-#import lorelei::shadow_map::{ShadowLight, ShadowParams, FIXED_POINT, map_place, layer_of}
+// The geometry pass that all shadow maps are built by: one thread a segment, for each light stepping along the segment's
+// longer axis over the texels of its map. What is done to a texel is the slot `shadow_sink`.
+#import lorelei::shadow_map::{ShadowLight, shadow_params, shadow_lights, map_place, texel_index}
+#import lorelei::shadow_sink::{sink}
 
 struct ShadowLayer {
     first_vertex: u32,
@@ -10,17 +11,8 @@ struct ShadowLayer {
     width_scale: f32,
 }
 
-// 0: the front. 1: opacities.
-override PASS: u32 = 0u;
-
-@group(0) @binding(auto) var<uniform> shadow_params: ShadowParams;
 @group(0) @binding(auto) var<uniform> shadow_layer: ShadowLayer;
-@group(0) @binding(auto) var<storage, read> shadow_lights: array<ShadowLight>;
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
-// Bits of the front's depth, inverted, so that 0 is empty and the nearest is the largest.
-@group(0) @binding(auto) var<storage, read_write> shadow_front: array<atomic<u32>>;
-// Opacity of each layer alone, fixed point; the layers of a texel side by side.
-@group(0) @binding(auto) var<storage, read_write> shadow_opacity: array<atomic<u32>>;
 // What of the head each light sees.
 @group(0) @binding(auto) var shadow_head: texture_depth_2d_array;
 
@@ -38,15 +30,7 @@ fn deposit(light_idx: u32, texel: vec2<i32>, depth: f32, opacity: f32) {
     if depth > head + FAR_SIDE && head < shadow_lights[light_idx].far {
         return;
     }
-    let at = light_idx * shadow_params.resolution * shadow_params.resolution + u32(texel.y * resolution + texel.x);
-    if PASS == 0u {
-        atomicMax(&shadow_front[at], ~bitcast<u32>(max(depth, 0.0)));
-    } else {
-        let front = bitcast<f32>(~atomicLoad(&shadow_front[at]));
-        let layer = layer_of(depth - front, shadow_params.layer_size, shadow_params.n_layers);
-        let k = min(u32(layer), shadow_params.n_layers - 1u);
-        atomicAdd(&shadow_opacity[at * shadow_params.n_layers + k], u32(opacity * FIXED_POINT + 0.5));
-    }
+    sink(light_idx, texel_index(light_idx, texel), depth, opacity);
 }
 
 fn rasterise(light_idx: u32, light: ShadowLight, root: vec4<f32>, tip: vec4<f32>) {
