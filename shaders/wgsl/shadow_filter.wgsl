@@ -25,7 +25,7 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
     let base = id.z * shadow_params.resolution * shadow_params.resolution;
     let out = (base + id.y * shadow_params.resolution + id.x) * n_filtered();
     // A tap a whole radius and a half away has no weight.
-    let reach = i32(ceil(shadow_params.filter_radius + 0.5)) - 1;
+    let reach = i32(ceil(shadow_params.filter_radius));
     let from_texel = max(vec2<i32>(id.xy) - reach, vec2<i32>(0));
     let to_texel = min(vec2<i32>(id.xy) + reach, vec2<i32>(resolution - 1));
 
@@ -65,16 +65,15 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
             // The neighbourhood's front is at or before the tap's own: a layer's end is there less deep, and may be in any
             // of the layers before.
             let step_back = bitcast<f32>(~shadow_front[tap]) - front;
-            for (var j = 0u; j < N_LAYERS; j++) {
-                let inside = weight * f32(shadow_opacity[tap * N_LAYERS + j]) / FIXED_POINT;
-                let start = layer_start(j) + step_back;
-                let per_cm = 1.0 / (layer_start(j + 1u) - layer_start(j));
-                for (var k = j + 1u; k < N_LAYERS; k++) {
-                    sums[k] += inside * saturate((layer_start(k) - start) * per_cm);
-                }
-                // What of the hair behind the last layer counts is in it.
-                sums[N_LAYERS] += inside;
+            var above = 0.0;
+            for (var k = 1u; k < N_LAYERS; k++) {
+                let inside = f32(shadow_opacity[tap * N_LAYERS + k - 1u]) / FIXED_POINT;
+                let share = 1.0 - step_back / (layer_start(k) - layer_start(k - 1u));
+                sums[k] += weight * max(above + inside * share, 0.0);
+                above += inside;
             }
+            above += f32(shadow_opacity[tap * N_LAYERS + N_LAYERS - 1u]) / FIXED_POINT;
+            sums[N_LAYERS] += weight * above;
         }
     }
     shadow_filtered[out] = front;

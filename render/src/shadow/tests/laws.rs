@@ -69,17 +69,15 @@ fn every_technique_errs_no_more_than_it_must() {
         for shadowing in techniques() {
             let [error, bias] = errors(&points, &light, shadowing);
             println!("{shadowing:?}: mean error {error:.4}, bias {bias:.4}");
-            // Measured values and a quarter more; what knows only the front of the hair is far off.
+            // Measured values and about a third more; what knows only the front of the hair is far off.
             let (most, most_bias) = match shadowing {
                 Shadowing::Off => (0.0, 0.0),
-                Shadowing::ShadowMap => (0.45, 0.45),
-                Shadowing::Exponential => (0.25, 0.25),
-                Shadowing::OpacityMaps
-                | Shadowing::Clusters
-                | Shadowing::DeepOpacity
-                | Shadowing::Occupancy
-                | Shadowing::DeepShadow => (0.05, 0.03),
-                Shadowing::Voxels => (0.06, 0.03),
+                Shadowing::ShadowMap => (0.32, 0.32),
+                Shadowing::Exponential => (0.26, 0.25),
+                Shadowing::OpacityMaps | Shadowing::Clusters | Shadowing::DeepShadow => (0.04, 0.015),
+                Shadowing::Occupancy => (0.04, 0.02),
+                Shadowing::DeepOpacity => (0.045, 0.02),
+                Shadowing::Voxels => (0.05, 0.015),
             };
             assert!(error < most, "{shadowing:?}: mean error {error}");
             assert!(bias.abs() < most_bias, "{shadowing:?}: bias {bias}");
@@ -127,8 +125,19 @@ fn a_slab_holds_back_what_its_area_says() {
                 | Shadowing::Voxels => (-depth).exp(),
             };
             println!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}");
-            // Where the first sheet leaves a texel open, the front is a sheet or two behind.
-            let tolerance = if shadowing == Shadowing::Exponential { 0.08 } else { 0.05 };
+            // Half a texel before a place is left out, half a cell of the grid; where the first sheet leaves a texel open,
+            // the front is a sheet or two behind; and the filter's front is its neighbours'.
+            let tolerance = match shadowing {
+                Shadowing::Voxels => 0.12,
+                Shadowing::Exponential => 0.08,
+                Shadowing::DeepOpacity => 0.075,
+                Shadowing::Off
+                | Shadowing::ShadowMap
+                | Shadowing::OpacityMaps
+                | Shadowing::Clusters
+                | Shadowing::Occupancy
+                | Shadowing::DeepShadow => 0.05,
+            };
             assert!((left - exact).abs() < tolerance, "{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}");
         }
     }
@@ -152,8 +161,19 @@ fn nowhere_does_a_place_farther_from_the_light_get_more_of_it() {
         for ray in answers.chunks(n) {
             for two in ray.windows(2) {
                 let left = [(-two[0][0]).exp(), (-two[1][0]).exp()];
-                // Steps through the grid begin elsewhere for each place.
-                let tolerance = if shadowing == Shadowing::Voxels { 0.03 } else { 1e-4 };
+                // Steps through the grid begin elsewhere for each place; the filter of deep opacity maps shifts layers by
+                // shares of themselves.
+                let tolerance = match shadowing {
+                    Shadowing::Voxels => 0.03,
+                    Shadowing::DeepOpacity => 0.02,
+                    Shadowing::Off
+                    | Shadowing::ShadowMap
+                    | Shadowing::Exponential
+                    | Shadowing::OpacityMaps
+                    | Shadowing::Clusters
+                    | Shadowing::Occupancy
+                    | Shadowing::DeepShadow => 1e-4,
+                };
                 assert!(left[1] <= left[0] + tolerance, "{shadowing:?}: {left:?}");
             }
         }
