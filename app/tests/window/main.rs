@@ -8,7 +8,6 @@
 mod controls;
 mod modelling;
 mod painting;
-mod room;
 mod sample;
 mod sculpting;
 mod studio;

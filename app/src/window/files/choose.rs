@@ -24,10 +24,6 @@ pub enum Purpose {
     SaveStyle,
     LoadMap,
     SaveMap,
-    LoadLook,
-    SaveLook,
-    SaveSheet,
-    SaveTurntable,
 }
 
 /// What a person answered.
@@ -54,10 +50,6 @@ impl Purpose {
             Self::SaveStyle => "Save style",
             Self::LoadMap => "Load map",
             Self::SaveMap => "Save map",
-            Self::LoadLook => "Load look",
-            Self::SaveLook => "Save look",
-            Self::SaveSheet => "Save the contact sheet",
-            Self::SaveTurntable => "Save the turntable",
         }
     }
 
@@ -71,10 +63,8 @@ impl Purpose {
             Self::ImportHairMesh => vec!["obj", "glb", "gltf"],
             Self::ExportHairMesh => HAIR_MESH_EXTENSIONS.to_vec(),
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
-            Self::SavePicture | Self::SaveSheet | Self::SaveTurntable => vec!["png"],
-            Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle | Self::LoadLook | Self::SaveLook => {
-                vec!["ron"]
-            }
+            Self::SavePicture => vec!["png"],
+            Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle => vec!["ron"],
             Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
         };
         all.into_iter().map(str::to_owned).collect()
@@ -90,9 +80,6 @@ impl Purpose {
                 | Self::SaveMacro
                 | Self::SaveStyle
                 | Self::SaveMap
-                | Self::SaveLook
-                | Self::SaveSheet
-                | Self::SaveTurntable
         )
     }
 
