@@ -7,6 +7,7 @@ mod open;
 mod script;
 mod sheet;
 mod stage;
+mod turntable;
 mod window;
 
 fn main() -> std::process::ExitCode {

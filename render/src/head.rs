@@ -115,7 +115,9 @@ impl HeadPass {
         let (shadowing, threads) = (input.look.shadowing, input.threads);
         let key = (shadowing, threads);
         let make_shade = |library: &ShaderLibrary| {
-            library.kernel(gpu, "head_shade", "shade_head", &[], &[slot::shadowing(shadowing), threads.tile_slot()])
+            let mut links = slot::shadowing(shadowing);
+            links.push(threads.tile_slot());
+            library.kernel(gpu, "head_shade", "shade_head", &[], &links)
         };
         if let Some(kernel) = self.shade.get_mut(&key) {
             kernel.refresh(library, make_shade);

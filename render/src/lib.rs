@@ -2,10 +2,12 @@
 
 mod bound;
 pub mod exact;
+pub mod false_colour;
 mod fragments;
 mod frame;
 pub mod generate;
 mod head;
+pub mod inspect;
 pub mod mirror;
 pub mod overlay;
 mod profile;
@@ -20,6 +22,7 @@ pub mod shadow;
 pub mod slot;
 pub mod sort;
 pub mod tonemap;
+pub mod versus;
 pub mod view;
 pub mod white_balance;
 

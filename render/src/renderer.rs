@@ -2,26 +2,29 @@
 
 use std::sync::Arc;
 
-use glam::Affine3A;
+use glam::{Affine3A, Vec3};
 use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::io::Watch;
+use lorelei_core::light::Light;
 use lorelei_core::lod::LodBlend;
-use lorelei_core::look::{DeepOpacityParams, HeadShading, Look, Primitive, Shadowing};
+use lorelei_core::look::{HeadShading, Look, Primitive, ShadowParams, Shadowing};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
+use crate::false_colour::{FalseColourInput, FalseColourPass, drawn_look};
 use crate::fragments::{Blended, FragmentInput, Fragments, Resources, TooWide, Way, way};
 use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass};
+use crate::inspect::{InspectError, InspectInput, Inspection, Inspector};
 use crate::mirror::{Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
 use crate::resolve::{Downsample, ResolvePass};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
-use crate::shade::{Shade, ShadeInput};
+use crate::shade::Shade;
 use crate::shadow::{Shadow, ShadowInput};
 use crate::slot;
 use crate::view::View;
@@ -79,7 +82,7 @@ struct HairKey {
 #[derive(Debug, Clone, PartialEq)]
 struct ShadowKey {
     shadowing: Shadowing,
-    params: DeepOpacityParams,
+    params: ShadowParams,
     lights: SceneLights,
     head_casts: bool,
 }
@@ -94,10 +97,10 @@ pub struct Renderer {
     /// What the strands and shadows of the last frame were made from.
     made_from: Option<(HairKey, ShadowKey)>,
     ball: Ball,
-    generator: StrandGenerator,
+    pub(crate) generator: StrandGenerator,
     scene: SceneBuffers,
     shadow: Shadow,
-    shade: Shade,
+    pub(crate) shade: Shade,
     head: HeadPass,
     /// The threads that suit the device where the look lets them.
     threads: Threads,
@@ -106,6 +109,10 @@ pub struct Renderer {
     fragments: Fragments,
     downsample: Downsample,
     resolve: ResolvePass,
+    false_colours: FalseColourPass,
+    inspector: Inspector,
+    /// Of the last recorded frame.
+    eye: Option<Vec3>,
     profile: Profile,
     view: wgpu::Buffer,
     targets: Targets,
@@ -121,10 +128,10 @@ impl Renderer {
             groom: None,
             n_changes: 0,
             made_from: None,
-            ball: Ball { centre: glam::Vec3::ZERO, radius: 1.0 },
+            ball: Ball { centre: Vec3::ZERO, radius: 1.0 },
             generator: StrandGenerator::new(gpu, &library)?,
             scene: SceneBuffers::new(gpu),
-            shadow: Shadow::new(gpu, &library)?,
+            shadow: Shadow::new(gpu),
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
             raster: Raster::new(gpu, &library, threads)?,
@@ -133,6 +140,9 @@ impl Renderer {
             fragments: Fragments::new(gpu, &library)?,
             downsample: Downsample::new(gpu, &library)?,
             resolve: ResolvePass::new(gpu),
+            false_colours: FalseColourPass::new(gpu),
+            inspector: Inspector::default(),
+            eye: None,
             profile: Profile::new(gpu)?,
             view: gpu.buffer("frame.view", size_of::<View>() as u64, BufferUsages::UNIFORM),
             targets: Targets::new(gpu, [8, 8], 1)?,
@@ -178,6 +188,15 @@ impl Renderer {
         }
     }
 
+    /// Light the next frames with other lamps: one of them alone.
+    pub fn set_lights(&mut self, lights: &[Light]) {
+        if let Some(groom) = &mut self.groom
+            && groom.lights != lights
+        {
+            groom.lights = lights.to_vec();
+        }
+    }
+
     /// Show a painted map on the scalp from the next frame on, or skin.
     pub fn set_overlay(&mut self, overlay: Option<&Overlay>) {
         self.head.set_overlay(&self.gpu, overlay);
@@ -208,7 +227,7 @@ impl Renderer {
     ) -> Result<(), RenderError> {
         let Self { gpu, library, profile, .. } = self;
         let (gpu, library) = (&*gpu, &*library);
-        let look = &groom.look;
+        let look = &*drawn_look(&groom.look);
         let is_head_shown = match look.head {
             HeadShading::Skin => true,
             HeadShading::Hidden => false,
@@ -229,6 +248,7 @@ impl Renderer {
             self.raster = Raster::new(gpu, library, threads)?;
         }
         let view = View::new(input.camera, input.size);
+        self.eye = Some(input.camera.eye());
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
         let lod = (look.lod * input.lod_scale).clamp(0.0, 1.0);
         let veil = self.head.overlay().map_or(Veil::Full, |overlay| overlay.veil);
@@ -240,7 +260,7 @@ impl Renderer {
         let scene_is_new = self.scene.update(gpu, &lights, look, input.camera.eye());
         let shadow_input = ShadowInput {
             shadowing: look.shadowing,
-            params: &look.deep_opacity,
+            params: &look.shadows,
             lights: &lights,
             ball: self.ball,
             world_from_head: input.world_from_head,
@@ -250,15 +270,7 @@ impl Renderer {
         let fallback = HairMaterial::default();
         let material_of =
             |layer: u32| groom.layers.get(layer as usize).map_or(&fallback, |layer: &Layer| &layer.material);
-        let shade_input = ShadeInput {
-            strands,
-            look,
-            scene: &self.scene,
-            scene_is_new,
-            shadow: &self.shadow,
-            waits: input.lod_scale >= 1.0,
-        };
-        self.shade.prepare(gpu, library, &shade_input, material_of)?;
+        self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
         let fine_size = input.size.map(|side| side * supersampling);
         let fine_view = View::new(input.camera, fine_size);
         let raster_input =
@@ -277,7 +289,7 @@ impl Renderer {
         };
         let shadow_key = ShadowKey {
             shadowing: look.shadowing,
-            params: look.deep_opacity.clone(),
+            params: look.shadows.clone(),
             lights: lights.clone(),
             head_casts: shadow_input.head_casts,
         };
@@ -299,7 +311,21 @@ impl Renderer {
                 self.shadow.record(encoder, &shadow_input);
             }
         });
-        profile.pass("shade", encoder, |encoder| self.shade.record(encoder, strands));
+        let false_colours = FalseColourInput {
+            look,
+            mirror: self.generator.mirror(),
+            radiance: self.shade.radiance(),
+            view: &self.view,
+            targets: &self.targets,
+            scene: &self.scene,
+            shadow: &self.shadow,
+        };
+        if look.view.is_light() {
+            profile.pass("shade", encoder, |encoder| self.shade.record(encoder, strands));
+        } else {
+            let paint = &mut self.false_colours;
+            profile.pass("view", encoder, |encoder| paint.record_paint(gpu, library, encoder, &false_colours))?;
+        }
 
         // The head, and the depth that hair is hidden by.
         profile.pass("head", encoder, |encoder| {
@@ -318,6 +344,11 @@ impl Renderer {
             };
             self.head.record(gpu, library, encoder, &input)
         })?;
+
+        if !look.view.is_light() {
+            let count = &mut self.false_colours;
+            profile.pass("view.count", encoder, |encoder| count.record_count(gpu, library, encoder, &false_colours))?;
+        }
 
         // Strands into pixels.
         let targets = &self.targets;
@@ -364,7 +395,7 @@ impl Renderer {
 
         // The picture.
         profile.pass("resolve", encoder, |encoder| {
-            self.resolve.record(gpu, library, encoder, look, &self.view, &self.targets)
+            self.resolve.record(gpu, library, encoder, look, &self.view, &self.targets, &self.false_colours)
         })?;
         self.made_from = Some((hair_key, shadow_key));
         Ok(())
@@ -389,7 +420,12 @@ impl Renderer {
 
     /// The picture of the last submitted frame.
     pub fn read_pixels(&self) -> Result<Pixels, RenderError> {
-        let bytes = self.read_texture(&self.targets.output, 4)?;
+        self.read_pixels_of(&self.targets.output)
+    }
+
+    /// As [`Renderer::read_pixels`], of another picture like [`Renderer::output`] on the same GPU.
+    pub fn read_pixels_of(&self, picture: &wgpu::Texture) -> Result<Pixels, RenderError> {
+        let bytes = self.read_texture(picture, 4)?;
         let mut rgba = bytes;
         for pixel in rgba.chunks_exact_mut(4) {
             let alpha = f32::from(pixel[3]);
@@ -399,7 +435,7 @@ impl Renderer {
                 }
             }
         }
-        Ok(Pixels { size: self.targets.size, rgba })
+        Ok(Pixels { size: [picture.width(), picture.height()], rgba })
     }
 
     fn read_texture(&self, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, GpuError> {
@@ -434,6 +470,32 @@ impl Renderer {
         })
     }
 
+    /// What is under a pixel of the last submitted frame. Waits for the GPU.
+    pub fn inspect(&mut self, pixel: [u32; 2]) -> Result<Option<Inspection>, InspectError> {
+        let (Some(groom), Some(eye)) = (&self.groom, self.eye) else { return Ok(None) };
+        if pixel[0] >= self.targets.size[0] || pixel[1] >= self.targets.size[1] {
+            return Ok(None);
+        }
+        let input = InspectInput {
+            pixel,
+            look: &groom.look,
+            lights: &SceneLights::new(&groom.lights),
+            eye,
+            strands: self.generator.strands(),
+            shade: &self.shade,
+            shadow: &self.shadow,
+            view: &self.view,
+            targets: &self.targets,
+        };
+        let mut inspection = self.inspector.inspect(&self.gpu, &self.library, &input)?;
+        if let Some(strand) = &mut inspection.strand
+            && let Some(binding) = self.generator.mirror().binding(strand.layer_idx as usize)
+        {
+            strand.id = binding.ids.get(strand.strand_idx as usize).copied().unwrap_or(strand.strand_idx);
+        }
+        Ok(Some(inspection))
+    }
+
     /// Take in the GPU times that have come back. [`Renderer::render`] does it too; call it after a submission and again
     /// after waiting for it, where the times of that very frame are wanted.
     pub fn collect_times(&mut self) {
@@ -461,7 +523,8 @@ impl Renderer {
                 + self.shadow.n_bytes()
                 + self.raster.n_bytes()
                 + self.blended.n_bytes()
-                + self.fragments.n_bytes(),
+                + self.fragments.n_bytes()
+                + self.false_colours.n_bytes(),
         }
     }
 
@@ -497,6 +560,7 @@ impl Renderer {
             .or(self.fragments.shader_error())
             .or(self.downsample.shader_error())
             .or(self.resolve.shader_error())
+            .or(self.false_colours.shader_error())
     }
 }
 

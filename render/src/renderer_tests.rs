@@ -324,7 +324,7 @@ fn what_is_kept_from_frame_to_frame_is_what_would_be_made_again() {
         (|_| {}, turned, 0.3),
         (|groom| groom.layers[0].radius_um = 200.0, turned, 0.3),
         (|groom| groom.lights[0].intensity *= 0.3, turned, 0.3),
-        (|groom| groom.look.deep_opacity.density = 0.2, turned, 0.3),
+        (|groom| groom.look.shadows.density = 0.2, turned, 0.3),
         (|groom| groom.head = None, turned, 0.3),
     ];
     let mut last = made_again;

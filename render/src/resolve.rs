@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Mat3;
-use lorelei_core::look::{Background, Look, Tonemapping};
+use lorelei_core::look::{Background, FalseColour, Look, Tonemapping};
 use lorelei_shaders::{Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
+use crate::false_colour::FalseColourPass;
 use crate::frame::Targets;
 use crate::slot;
 use crate::white_balance;
@@ -37,7 +38,7 @@ pub fn picture_from_scene(look: &Look) -> Mat3 {
 
 /// The last pass.
 pub(crate) struct ResolvePass {
-    kernels: HashMap<(Tonemapping, Background), Hot<Kernel>>,
+    kernels: HashMap<(Tonemapping, Background, FalseColour), Hot<Kernel>>,
     look: wgpu::Buffer,
 }
 
@@ -61,10 +62,12 @@ impl ResolvePass {
         look: &Look,
         view: &wgpu::Buffer,
         targets: &Targets,
+        false_colours: &FalseColourPass,
     ) -> Result<(), ShaderError> {
-        let choices = (look.tonemapping, look.background);
+        let choices = (look.tonemapping, look.background, look.view);
         let make = |library: &ShaderLibrary| {
-            library.kernel(gpu, "resolve", "resolve", &[], &[slot::tonemapping(choices.0), slot::background(choices.1)])
+            let links = [slot::tonemapping(choices.0), slot::background(choices.1), slot::view_picture(choices.2)];
+            library.kernel(gpu, "resolve", "resolve", &[], &links)
         };
         if let Some(kernel) = self.kernels.get_mut(&choices) {
             kernel.refresh(library, make);
@@ -73,16 +76,16 @@ impl ResolvePass {
         }
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&ResolveLook::new(look)));
         let kernel = &self.kernels[&choices];
-        let bindings = kernel.bind(
-            gpu,
-            &[
-                ("view", view.as_entire_binding()),
-                ("resolve_look", self.look.as_entire_binding()),
-                ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
-                ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
-                ("picture", wgpu::BindingResource::TextureView(&targets.output_view)),
-            ],
-        )?;
+        let mut resources = vec![
+            ("view", view.as_entire_binding()),
+            ("resolve_look", self.look.as_entire_binding()),
+            ("hair", wgpu::BindingResource::TextureView(&targets.hair)),
+            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
+            ("head_normal", wgpu::BindingResource::TextureView(&targets.head_normal)),
+            ("picture", wgpu::BindingResource::TextureView(&targets.output_view)),
+        ];
+        resources.extend(false_colours.resources());
+        let bindings = kernel.bind_used(gpu, &resources)?;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("resolve"), timestamp_writes: None });
         let [width, height] = targets.size;

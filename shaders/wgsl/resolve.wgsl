@@ -2,6 +2,7 @@
 #import lorelei::camera::{View}
 #import lorelei::tonemap::{display}
 #import lorelei::background::{background}
+#import lorelei::view_picture::{over_body}
 
 struct ResolveLook {
     // Exposure and white balance, linear Rec. 709.
@@ -25,7 +26,7 @@ fn resolve(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let front = textureLoad(hair, id.xy, 0);
-    let over = front + (1.0 - front.w) * textureLoad(head_colour, id.xy, 0);
+    let over = over_body(id.xy, front, textureLoad(head_colour, id.xy, 0));
     let place = (vec2<f32>(id.xy) + 0.5) / vec2<f32>(view.size);
     let behind = background(place, resolve_look.grey);
     let scene = display(resolve_look.picture_from_scene * (over.xyz / max(over.w, 1e-4)));

@@ -1,15 +1,18 @@
 // From the layers of each texel to what a look-up wants: the front of the neighbourhood and, at each layer's end, the
 // optical depth averaged over the neighbourhood. Filtering here costs a texel's work once; filtering in the look-up
 // would cost it for every vertex and light.
-#import lorelei::shadow_map::{ShadowParams, FIXED_POINT}
+#import lorelei::shadow_map::{shadow_params, FIXED_POINT, NO_HAIR, layer_start}
+#import lorelei::shadow_layers::{n_filtered}
 
-@group(0) @binding(auto) var<uniform> shadow_params: ShadowParams;
 @group(0) @binding(auto) var<storage, read> shadow_front: array<u32>;
 @group(0) @binding(auto) var<storage, read> shadow_opacity: array<u32>;
-// n_layers + 1 numbers a texel: depth of the front in cm (NO_HAIR: none), then optical depth down to each layer's end.
+#ifdef GROWS
+// Bits of the farthest depth.
+@group(0) @binding(auto) var<storage, read> shadow_back: array<u32>;
+#endif
+// See shadow_layers.wgsl.
 @group(0) @binding(auto) var<storage, read_write> shadow_filtered: array<f32>;
 
-const NO_HAIR: f32 = 1e30;
 // Known when the pipeline is made: loops over layers unroll, and what they index stays in registers.
 override N_LAYERS: u32 = 4u;
 
@@ -20,28 +23,34 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let base = id.z * shadow_params.resolution * shadow_params.resolution;
-    let out = (base + id.y * shadow_params.resolution + id.x) * (N_LAYERS + 1u);
+    let out = (base + id.y * shadow_params.resolution + id.x) * n_filtered();
+    // A tap a whole radius and a half away has no weight.
     let reach = i32(ceil(shadow_params.filter_radius));
     let from_texel = max(vec2<i32>(id.xy) - reach, vec2<i32>(0));
     let to_texel = min(vec2<i32>(id.xy) + reach, vec2<i32>(resolution - 1));
 
     // 0 is empty and the nearest is the largest.
     var nearest = 0u;
+    var farthest = 0u;
     for (var y = from_texel.y; y <= to_texel.y; y++) {
         for (var x = from_texel.x; x <= to_texel.x; x++) {
-            nearest = max(nearest, shadow_front[base + u32(y * resolution + x)]);
+            let tap = base + u32(y * resolution + x);
+            nearest = max(nearest, shadow_front[tap]);
+#ifdef GROWS
+            farthest = max(farthest, shadow_back[tap]);
+#endif
         }
     }
     if nearest == 0u {
         shadow_filtered[out] = NO_HAIR;
-        for (var k = 1u; k <= N_LAYERS; k++) {
+        for (var k = 1u; k < n_filtered(); k++) {
             shadow_filtered[out + k] = 0.0;
         }
         return;
     }
     let front = bitcast<f32>(~nearest);
 
-    var sums = array<f32, 8>();
+    var sums = array<f32, 16>();
     var weights = 0.0;
     let tent = 1.0 / (shadow_params.filter_radius + 0.5);
     for (var y = from_texel.y; y <= to_texel.y; y++) {
@@ -53,17 +62,17 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
             if shadow_front[tap] == 0u {
                 continue;
             }
-            // The neighbourhood's front is at or before the tap's own: a layer's end is there a little less deep.
+            // The neighbourhood's front is at or before the tap's own: a layer's end is there less deep, and may be in any
+            // of the layers before.
             let step_back = bitcast<f32>(~shadow_front[tap]) - front;
             var above = 0.0;
             for (var k = 1u; k < N_LAYERS; k++) {
                 let inside = f32(shadow_opacity[tap * N_LAYERS + k - 1u]) / FIXED_POINT;
-                let share = 1.0 - step_back / (shadow_params.layer_size * f32(k));
+                let share = 1.0 - step_back / (layer_start(k) - layer_start(k - 1u));
                 sums[k] += weight * max(above + inside * share, 0.0);
                 above += inside;
             }
             above += f32(shadow_opacity[tap * N_LAYERS + N_LAYERS - 1u]) / FIXED_POINT;
-            // Everything behind the last layer is in it (the paper's second choice).
             sums[N_LAYERS] += weight * above;
         }
     }
@@ -71,4 +80,7 @@ fn filter_map(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var k = 1u; k <= N_LAYERS; k++) {
         shadow_filtered[out + k] = sums[k] / weights;
     }
+#ifdef GROWS
+    shadow_filtered[out + N_LAYERS + 1u] = max(bitcast<f32>(farthest) - front, layer_start(N_LAYERS));
+#endif
 }

@@ -1,14 +1,12 @@
 // The head as a light sees it: depth only, linear in centimetres.
-#import lorelei::shadow_map::{ShadowLight, ShadowParams, map_place}
+#import lorelei::shadow_map::{shadow_params, shadow_lights, map_place}
 
 struct HeadCaster {
     world_from_head: mat4x4<f32>,
     light_idx: u32,
 }
 
-@group(0) @binding(auto) var<uniform> shadow_params: ShadowParams;
 @group(0) @binding(auto) var<uniform> head_caster: HeadCaster;
-@group(0) @binding(auto) var<storage, read> shadow_lights: array<ShadowLight>;
 // Three numbers a vertex, centimetres in head space.
 @group(0) @binding(auto) var<storage, read> head_positions: array<f32>;
 @group(0) @binding(auto) var<storage, read> head_indices: array<u32>;

@@ -2,8 +2,8 @@
 //! and style operators, which are no slots, are listed in the same shape: a layer as a slot with one choice,
 //! an operator as a slot that is on or off.
 
-use lorelei_core::groom::{HairMaterial, HairPreset};
-use lorelei_core::look::{Choice, Look, Param, ParamValue, Slot};
+use lorelei_core::groom::HairMaterial;
+use lorelei_core::look::{Look, Param, ParamValue, Slot};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_core::style::{StyleKind, StyleOp};
 use serde_json::{Value, json};
@@ -12,7 +12,8 @@ use super::{CliError, print_line, set};
 
 #[derive(Debug, clap::Args)]
 pub struct LooksArguments {
-    /// As JSON: an array of {slot, choices: [{name, label, parameters: [{key, min, max, default, unit}]}]}. Layers
+    /// As JSON: an array of {slot, choices: [{name, label, parameters: [{key, min, max, default, unit}]}]}; a
+    /// parameter that is one of a few has `choices` instead of min and max. Layers
     /// and style operators follow the slots in the same shape; they count for every layer.
     #[arg(long)]
     json: bool,
@@ -33,10 +34,6 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
     }
     for slot in &slots {
         print_line(&slot_text(slot))?;
-    }
-    print_line(&format!("{}  A hair colour by name, of every layer", set::PRESET_KEY))?;
-    for info in HairPreset::ALL.iter().map(|preset| preset.info()) {
-        print_line(&format!("   {}={}  {}", set::PRESET_KEY, info.name, info.help))?;
     }
     print_line("layer  Counts and widths of every layer")?;
     let mut layer = set::sample_layer();
@@ -93,6 +90,13 @@ fn param_json(param: &Param<'_>) -> Value {
         ParamValue::F32(value) => json!(shortest(**value)),
         ParamValue::U32(value) => json!(**value),
         ParamValue::Colour(rgb) => json!(rgb.map(shortest)),
+        ParamValue::Choice(choice) => {
+            let names: Vec<&str> = choice.infos().iter().map(|info| info.name).collect();
+            return json!({
+                "key": param.key, "label": param.label, "choices": names, "default": param.value.to_text(),
+                "unit": param.unit, "help": param.help,
+            });
+        }
     };
     json!({
         "key": param.key, "label": param.label, "min": shortest(param.min), "max": shortest(param.max),
@@ -139,7 +143,13 @@ fn params_text(params: &[Param<'_>]) -> String {
         let of = if param.of.is_empty() { String::new() } else { format!("  [{}]", param.of.join(", ")) };
         let unit = if param.unit.is_empty() { String::new() } else { format!(" {}", param.unit) };
         let value = param.value.to_text();
-        lines.push(format!("   {}={value}{unit}  ({} to {})  {}{of}", param.key, param.min, param.max, param.help));
+        let takes = match &param.value {
+            ParamValue::Choice(choice) => choice.infos().iter().map(|info| info.name).collect::<Vec<_>>().join(", "),
+            ParamValue::F32(_) | ParamValue::U32(_) | ParamValue::Colour(_) => {
+                format!("{} to {}", param.min, param.max)
+            }
+        };
+        lines.push(format!("   {}={value}{unit}  ({takes})  {}{of}", param.key, param.help));
     }
     lines.push(String::new());
     lines.join("\n")
@@ -178,6 +188,7 @@ mod tests {
                     assert!(!of_slot.insert(key.to_owned()) || keys.insert(key.to_owned()), "{key}");
                     let value = match &param["default"] {
                         Value::Array(rgb) => rgb.iter().map(ToString::to_string).collect::<Vec<_>>().join(","),
+                        Value::String(name) => name.clone(),
                         value => value.to_string(),
                     };
                     set::apply(&mut Groom::default(), &[(key.to_owned(), value)]).unwrap();

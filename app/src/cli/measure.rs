@@ -1,4 +1,4 @@
-//! `lorelei measure`: what this machine needs for the studio's work on a groom, without a window.
+//! `lorelei measure`: what this machine needs for the studio's work, and what techniques get wrong, without a window.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -23,21 +23,33 @@ use serde_json::{Value, json};
 use super::{CliError, print_line};
 
 mod paint;
+mod shadowing;
 
 #[derive(Debug, clap::Args)]
 pub struct MeasureArguments {
     /// What to measure.
     #[arg(value_enum)]
     what: What,
-    /// As JSON: an array of {what, n, ms, note}.
+    /// As JSON: an array of objects, of `grooming` {what, n, ms, note}.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
+    /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = shadowing::PAGE)]
+    pub(super) write: Option<std::path::PathBuf>,
+    /// Strands of each groom. Of `shadowing`.
+    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub(super) strands: u32,
+    /// Only this technique, by its name in `lorelei looks`. Of `shadowing`.
+    #[arg(long, value_name = "NAME")]
+    pub(super) only: Option<String>,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum What {
     /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
+    /// Transmittance of every shadow technique against the exact one, GPU times and bytes.
+    Shadowing,
 }
 
 /// One line of the table.
@@ -54,6 +66,7 @@ const N_ROUNDS: usize = 7;
 pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     let lines = match arguments.what {
         What::Grooming => grooming()?,
+        What::Shadowing => return shadowing::run(arguments),
     };
     if arguments.json {
         let all: Vec<Value> = lines

@@ -5,16 +5,19 @@ use std::time::Instant;
 
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
-use lorelei_core::io::write_atomically;
-use lorelei_core::look::Choice;
+use lorelei_core::io::{Watch, write_atomically};
+use lorelei_core::look::{Choice, Look, set};
 use lorelei_core::motion::Motion;
+use lorelei_render::versus::Comparison;
 use lorelei_shaders::Gpu;
 use serde_json::json;
 
-use super::scene::{Scene, SceneArguments};
+use super::scene::{Scene, SceneArguments, parse_look};
 use super::{CliError, check_png, make_folder_of, print_line};
 use crate::stage::pacer::Detail;
+use crate::stage::shown::Shown;
 use crate::stage::{Playback, Stage, bounds_of};
+use crate::turntable;
 
 const AFTER_HELP: &str = r#"A set-up file (--setup), either part may be left out:
   (
@@ -41,7 +44,20 @@ pub struct RenderArguments {
     /// How long it moves before the picture is taken.
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     seconds: Option<f32>,
-    /// The picture: .png.
+    /// Another look beside the groom's own: KEY=VALUE changes the groom's, a file or a name replaces it; one after the
+    /// other where there are several.
+    #[arg(long, value_name = "LOOK|KEY=VALUE", num_args = 1.., conflicts_with = "repeat")]
+    versus: Vec<String>,
+    /// With --versus: the groom's own look left of this share of the width, the other right of it.
+    #[arg(long, value_name = "SHARE", value_parser = parse_share, requires = "versus", conflicts_with = "difference")]
+    wipe: Option<f32>,
+    /// With --versus: the absolute difference of the two pictures, times this.
+    #[arg(long, value_name = "GAIN", value_parser = parse_gain, requires = "versus")]
+    difference: Option<f32>,
+    /// So many pictures from all around instead of one; --out is then a folder.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600), conflicts_with_all = ["repeat", "seconds"])]
+    turntable: Option<u32>,
+    /// The picture: .png; with --turntable a folder.
     #[arg(long, value_name = "PATH", default_value = "lorelei.png")]
     out: PathBuf,
     /// Draw this many frames after one that is not counted; times are their medians. As many are drawn while only the
@@ -101,13 +117,47 @@ fn parse_motion(text: &str) -> Result<Motion, String> {
     found.copied().ok_or_else(|| format!("use one of {}", names.join(", ")))
 }
 
+fn parse_share(text: &str) -> Result<f32, String> {
+    let share = text.parse::<f32>().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "a share of the width from 0 to 1".to_owned())
+}
+
+fn parse_gain(text: &str) -> Result<f32, String> {
+    let gain = text.parse::<f32>().ok().filter(|gain| (0.0..=1000.0).contains(gain));
+    gain.ok_or_else(|| "a number from 0 to 1000".to_owned())
+}
+
+/// The other look and how it is seen beside the groom's own.
+fn versus_of(arguments: &RenderArguments, groom: &Groom) -> Result<Option<(Look, Comparison)>, CliError> {
+    if arguments.versus.is_empty() {
+        return Ok(None);
+    }
+    let mut look = groom.look.clone();
+    for text in &arguments.versus {
+        let failed = |why: String| CliError::Usage(format!("--versus {text}: {why}"));
+        match text.split_once('=') {
+            Some((key, value)) => {
+                set(&mut look.slots(), key.trim(), value.trim()).map_err(|why| failed(why.to_string()))?;
+            }
+            None => look = parse_look(text).map_err(failed)?,
+        }
+    }
+    let comparison = match arguments.difference {
+        Some(gain) => Comparison::Difference(gain),
+        None => Comparison::Wipe(arguments.wipe.unwrap_or(0.5)),
+    };
+    Ok(Some((look, comparison)))
+}
+
 fn parse_seconds(text: &str) -> Result<f32, String> {
     let seconds = text.parse::<f32>().ok().filter(|seconds| (0.0..=600.0).contains(seconds));
     seconds.ok_or_else(|| "a number of seconds from 0 to 600".to_owned())
 }
 
 pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
-    check_png(&arguments.out)?;
+    if arguments.turntable.is_none() {
+        check_png(&arguments.out)?;
+    }
     let Scene { groom, camera, mut warnings } = arguments.scene.read(arguments.size)?;
 
     let start = Instant::now();
@@ -122,6 +172,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         for warning in &warnings {
             eprintln!("warning: {warning}");
         }
+    }
+
+    stage.set_shown(&Shown { solo: None, versus: versus_of(arguments, &groom)? });
+    if let Some(n_pictures) = arguments.turntable {
+        return write_turntable(arguments, &mut stage, &camera, n_pictures);
     }
 
     let playback =
@@ -194,6 +249,25 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         statistics.n_vertices,
         adapter.name
     ))
+}
+
+fn write_turntable(
+    arguments: &RenderArguments,
+    stage: &mut Stage,
+    camera: &Camera,
+    n_pictures: u32,
+) -> Result<(), CliError> {
+    let folder = &arguments.out;
+    std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))?;
+    let start = Instant::now();
+    let path_of = |idx: u32| folder.join(format!("turntable-{idx:03}.png"));
+    let written = turntable::write(stage, camera, arguments.size, n_pictures, path_of, Watch::default())
+        .map_err(CliError::failed)?;
+    let frame_ms = ms_since(start) / n_pictures as f32;
+    if arguments.json {
+        return print_line(&json!({ "out": folder, "pictures": written, "frame_ms": frame_ms }).to_string());
+    }
+    print_line(&format!("{}: {n_pictures} pictures, {frame_ms:.1} ms each", folder.display()))
 }
 
 pub(super) fn camera_of(groom: &Groom, view: View, size: [u32; 2]) -> Camera {

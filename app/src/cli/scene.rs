@@ -7,6 +7,8 @@ use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::io::Watch;
 use lorelei_core::lod::LodChoice;
+use lorelei_core::look::Look;
+use lorelei_core::look::presets::{LookPreset, look_preset, look_presets};
 
 use super::read_as::ReadAs;
 use super::render::{View, camera_of, parse_view};
@@ -40,6 +42,10 @@ pub struct SceneArguments {
     /// Strands in all, shared out over the layers as they are now.
     #[arg(long, value_name = "N")]
     strands: Option<u32>,
+    /// A whole look, before --set: a file as `Save look` writes it, or one of the studio's: neutral, fast, reference, rim,
+    /// clay, "single scattering".
+    #[arg(long, value_name = "FILE|NAME", value_parser = parse_look)]
+    look: Option<Look>,
     /// A choice or a number of the look, the fibre (hair.*), the layers (layer.*, style.*) or movement (sim.*):
     /// `lorelei looks` lists them.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
@@ -57,6 +63,9 @@ impl SceneArguments {
     /// Read what the arguments name. `size`: of the picture, in pixels.
     pub fn read(&self, size: [u32; 2]) -> Result<Scene, CliError> {
         let (mut groom, warnings) = self.groom()?;
+        if let Some(look) = &self.look {
+            groom.look.clone_from(look);
+        }
         set::apply(&mut groom, &self.assignments)?;
         if let Some(n_strands) = self.strands {
             set_strand_count(&mut groom, n_strands);
@@ -97,6 +106,19 @@ fn with_head(mut groom: Groom, head: Option<&Path>) -> Result<(Groom, Vec<String
     let put_on = |head| open::put_on(&mut groom, head, Watch::default()).map_err(CliError::failed);
     let warnings = head.map(put_on).transpose()?.unwrap_or_default();
     Ok((groom, warnings))
+}
+
+/// A look by its name or its file.
+pub fn parse_look(text: &str) -> Result<Look, String> {
+    if let Some(preset) = look_preset(text) {
+        return Ok(preset.look);
+    }
+    let path = Path::new(text);
+    if path.exists() {
+        return LookPreset::open(path).map(|preset| preset.look).map_err(|why| why.to_string());
+    }
+    let names: Vec<String> = look_presets().into_iter().map(|preset| preset.name).collect();
+    Err(format!("there is no such file, and no look of that name; the studio's are: {}", names.join(", ")))
 }
 
 fn parse_lod(text: &str) -> Result<LodChoice, String> {

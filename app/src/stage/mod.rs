@@ -6,6 +6,7 @@
 mod binder;
 mod display;
 pub mod pacer;
+pub mod shown;
 pub mod thread;
 
 #[cfg(test)]
@@ -18,16 +19,20 @@ use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::io::Watch;
+use lorelei_core::light::Light;
 use lorelei_core::look::Look;
 use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
 use lorelei_core::simulation::SimulationSettings;
+use lorelei_render::inspect::{InspectError, Inspection};
 use lorelei_render::overlay::Overlay;
+use lorelei_render::versus::{Comparison, Versus};
 use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
 
 use display::Display;
 use pacer::Detail;
+use shown::Shown;
 use thread::FrameReport;
 
 /// Movement: not in the document, never undone.
@@ -52,6 +57,8 @@ pub enum StageError {
     Shader(#[from] ShaderError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    #[error(transparent)]
+    Inspect(#[from] InspectError),
     #[error(
         "the picture is incomplete: {listed} pieces of strands lie on its tiles and there is room for {room}; draw fewer strands, a smaller picture, or ribbons"
     )]
@@ -62,8 +69,8 @@ impl StageError {
     /// Nothing more can be drawn on this device.
     pub fn is_lost(&self) -> bool {
         let gpu = match self {
-            Self::Gpu(gpu) | Self::Render(RenderError::Gpu(gpu)) => gpu,
-            Self::Render(_) | Self::Shader(_) | Self::LeftOut { .. } => return false,
+            Self::Gpu(gpu) | Self::Render(RenderError::Gpu(gpu)) | Self::Inspect(InspectError::Gpu(gpu)) => gpu,
+            Self::Render(_) | Self::Inspect(_) | Self::Shader(_) | Self::LeftOut { .. } => return false,
         };
         matches!(gpu, GpuError::DeviceLost(_))
     }
@@ -77,7 +84,7 @@ struct Moving {
 
 /// Shaders of a folder where `LORELEI_SHADERS` names one, for whoever edits them: each frame looks whether a file has
 /// changed. The program's own otherwise.
-fn shader_library() -> Result<ShaderLibrary, ShaderError> {
+pub fn shader_library() -> Result<ShaderLibrary, ShaderError> {
     match std::env::var_os("LORELEI_SHADERS") {
         Some(folder) => ShaderLibrary::watching(folder.as_ref()),
         None => Ok(ShaderLibrary::embedded()),
@@ -100,6 +107,9 @@ pub struct Stage {
     /// Times that guides moved.
     n_moves: u64,
     look: Look,
+    lights: Vec<Light>,
+    shown: Shown,
+    versus: Versus,
     /// Where a window finds the picture.
     display: Option<Display>,
     /// Why the last edit of a shader is not in use, once that was told.
@@ -121,6 +131,7 @@ impl Stage {
     fn with_library(gpu: Gpu, display: Option<Display>, library: ShaderLibrary) -> Result<Self, StageError> {
         Ok(Self {
             renderer: Renderer::new(&gpu, library.clone())?,
+            versus: Versus::new(&gpu, &library)?,
             gpu,
             library,
             moving: None,
@@ -133,6 +144,8 @@ impl Stage {
             n_resets: 0,
             n_moves: 0,
             look: Look::default(),
+            lights: Vec::new(),
+            shown: Shown::default(),
             display,
             shader_fault: None,
             is_lost: false,
@@ -156,6 +169,7 @@ impl Stage {
         self.is_lost |= result.as_ref().is_err_and(StageError::is_lost);
         let warnings = result?;
         self.look.clone_from(&groom.look);
+        self.lights.clone_from(&groom.lights);
         self.n_layers = groom.layers.len();
         self.neck = neck_of(groom);
         if self.settings != groom.simulation {
@@ -182,6 +196,14 @@ impl Stage {
     /// Show a painted map on the scalp, or skin.
     pub fn set_overlay(&mut self, overlay: Option<&Overlay>) {
         self.renderer.set_overlay(overlay);
+    }
+
+    /// Show one term of the light alone, or another look beside the groom's own, from the next frame on.
+    pub fn set_shown(&mut self, shown: &Shown) {
+        self.shown.clone_from(shown);
+        if shown.versus.is_none() {
+            self.versus.clear();
+        }
     }
 
     /// Make everything again in the next frame: for measurements.
@@ -234,7 +256,8 @@ impl Stage {
     ) -> Result<(), StageError> {
         self.library.poll()?;
         let size = detail.size(size);
-        self.renderer.set_look(&detail.look(&self.look));
+        self.renderer.set_look(&detail.look(&self.shown.look(&self.look)));
+        self.renderer.set_lights(&self.shown.lights(&self.lights));
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
         if self.n_resets != playback.n_resets {
@@ -276,13 +299,27 @@ impl Stage {
             lod_scale: detail.lod,
         };
         self.renderer.render(&mut encoder, &input)?;
+        let mut picture = self.renderer.output().clone();
+        if let Some((look, comparison)) = &self.shown.versus {
+            // One renderer draws both, one after the other: strands are made once, and so are shadows where the looks
+            // cast the same.
+            self.versus.keep(&self.gpu, &mut encoder, &picture);
+            self.gpu.queue.submit([encoder.finish()]);
+            self.renderer.collect_times();
+            self.renderer.set_look(&detail.look(&self.shown.look(look)));
+            encoder =
+                self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.versus") });
+            self.renderer.render(&mut encoder, &input)?;
+            self.versus.record(&self.gpu, &self.library, &mut encoder, self.renderer.output(), *comparison)?;
+            picture = self.versus.output().unwrap_or(self.renderer.output()).clone();
+        }
         if let Some(display) = &mut self.display {
-            display.record(&self.gpu, self.renderer.output(), &mut encoder);
+            display.record(&self.gpu, &picture, &mut encoder);
         }
         self.gpu.queue.submit([encoder.finish()]);
         self.renderer.collect_times();
         match &mut self.display {
-            Some(display) => display.finish(&self.gpu, self.renderer.output())?,
+            Some(display) => display.finish(&self.gpu, &picture)?,
             None => self.gpu.wait()?,
         }
         self.renderer.collect_times();
@@ -291,6 +328,30 @@ impl Stage {
             return Err(StageError::LeftOut { listed, room });
         }
         Ok(())
+    }
+
+    /// Put the two pictures of the last frame together in another way, without drawing them again.
+    pub fn compare_again(&mut self, comparison: Comparison) -> Result<(), StageError> {
+        if let Some((_, shown)) = &mut self.shown.versus {
+            *shown = comparison;
+        }
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.versus") });
+        self.versus.record(&self.gpu, &self.library, &mut encoder, self.renderer.output(), comparison)?;
+        let Some(picture) = self.versus.output() else { return Ok(()) };
+        if let Some(display) = &mut self.display {
+            display.record(&self.gpu, picture, &mut encoder);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        if let Some(display) = &mut self.display {
+            display.finish(&self.gpu, picture)?;
+        }
+        Ok(())
+    }
+
+    /// What is under a pixel of the last frame.
+    pub fn inspect(&mut self, pixel: [u32; 2]) -> Result<Option<Inspection>, StageError> {
+        Ok(self.renderer.inspect(pixel)?)
     }
 
     fn pose(&self, playback: &Playback) -> Affine3A {
@@ -358,7 +419,8 @@ impl Stage {
 
     /// The picture of the last frame: straight alpha, encoded for an sRGB display.
     pub fn read_pixels(&self) -> Result<image::RgbaImage, StageError> {
-        let pixels = self.renderer.read_pixels()?;
+        let picture = self.versus.output().unwrap_or(self.renderer.output());
+        let pixels = self.renderer.read_pixels_of(picture)?;
         let [width, height] = pixels.size;
         Ok(image::RgbaImage::from_raw(width, height, pixels.rgba).expect("as many bytes as the size says"))
     }
@@ -369,7 +431,8 @@ impl Stage {
     }
 
     pub fn statistics(&self) -> lorelei_render::FrameStatistics {
-        self.renderer.statistics()
+        let statistics = self.renderer.statistics();
+        lorelei_render::FrameStatistics { n_bytes: statistics.n_bytes + self.versus.n_bytes(), ..statistics }
     }
 
     /// Fill in what the last frame was made of.

@@ -34,7 +34,7 @@ impl Detail {
     pub fn look(self, look: &Look) -> Look {
         let mut look = look.clone();
         if self.coarseness > 1 {
-            let resolution = &mut look.deep_opacity.resolution;
+            let resolution = &mut look.shadows.resolution;
             *resolution = (*resolution / (2 * self.coarseness)).max(COARSEST_SHADOW.min(*resolution));
         }
         look
@@ -183,10 +183,10 @@ mod tests {
         assert_eq!(detail.size([1200, 601]), [400, 200]);
         assert_eq!(detail.size([1, 2]), [1, 1]);
         let mut look = Look::default();
-        look.deep_opacity.resolution = 1024;
-        assert_eq!(detail.look(&look).deep_opacity.resolution, COARSEST_SHADOW);
-        look.deep_opacity.resolution = 128;
-        assert_eq!(detail.look(&look).deep_opacity.resolution, 128);
+        look.shadows.resolution = 1024;
+        assert_eq!(detail.look(&look).shadows.resolution, COARSEST_SHADOW);
+        look.shadows.resolution = 128;
+        assert_eq!(detail.look(&look).shadows.resolution, 128);
         assert_eq!(Detail::FULL.look(&look), look);
     }
 }

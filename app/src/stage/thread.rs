@@ -12,12 +12,14 @@ use std::time::{Duration, Instant};
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_render::Bound;
+use lorelei_render::inspect::Inspection;
 use lorelei_render::overlay::Overlay;
 use lorelei_shaders::Gpu;
 
 use super::binder::{Binder, Binding, State};
 use super::display::Display;
 use super::pacer::Pacer;
+use super::shown::Shown;
 use super::{Playback, Stage, StageError};
 
 /// What should be seen.
@@ -32,6 +34,10 @@ pub struct FrameRequest {
     pub playback: Playback,
     /// A painted map that is shown on the scalp.
     pub overlay: Option<Overlay>,
+    /// What of it is shown.
+    pub shown: Shown,
+    /// The pixel whose light is to be told.
+    pub inspect: Option<[u32; 2]>,
     /// A person is dragging something: frames must be quick.
     pub is_interacting: bool,
     /// Milliseconds that a frame may take while something moves.
@@ -53,6 +59,8 @@ impl PartialEq for FrameRequest {
             size,
             playback,
             overlay,
+            shown,
+            inspect,
             is_interacting,
             moving_budget_ms,
             n_pictures,
@@ -60,6 +68,7 @@ impl PartialEq for FrameRequest {
         } = self;
         (state, camera, size, playback) == (&other.state, &other.camera, &other.size, &other.playback)
             && *overlay == other.overlay
+            && (shown, inspect) == (&other.shown, &other.inspect)
             && *is_interacting == other.is_interacting
             && *moving_budget_ms == other.moving_budget_ms
             && (*n_pictures, *n_losses) == (other.n_pictures, other.n_losses)
@@ -104,6 +113,9 @@ pub struct FrameReport {
     pub state: State,
     pub camera: Option<Camera>,
     pub size: [u32; 2],
+    pub shown: Shown,
+    /// What is under the pixel that was asked for last.
+    pub inspection: Option<Inspection>,
     /// Share of the strands that was drawn.
     pub lod: f32,
     /// Each side of the picture was this many times smaller than asked for.
@@ -253,8 +265,8 @@ const LOOK_FOR_SHADERS: Duration = Duration::from_millis(300);
 /// What wakes the thread.
 enum Event {
     /// Draw; whether something else is asked for than was drawn last.
-    Draw(FrameRequest, bool),
-    Bound(Binding),
+    Draw(Box<FrameRequest>, bool),
+    Bound(Box<Binding>),
     Cancel,
     End,
 }
@@ -376,10 +388,11 @@ impl Worker {
                     return;
                 }
                 Event::Cancel => self.cancel(),
-                Event::Bound(binding) => self.take_over(binding),
+                Event::Bound(binding) => self.take_over(*binding),
+                Event::Draw(request, _) if self.is_drawn_but_for_words(&request) => self.tell(*request),
                 Event::Draw(request, is_new) => {
                     self.prepare(&request);
-                    if self.on_stage.is_some() && !self.draw(request, is_new) {
+                    if self.on_stage.is_some() && !self.draw(*request, is_new) {
                         return;
                     }
                 }
@@ -396,7 +409,7 @@ impl Worker {
                 return Event::End;
             }
             if let Some(binding) = mailbox.bound.take() {
-                return Event::Bound(binding);
+                return Event::Bound(Box::new(binding));
             }
             if std::mem::take(&mut mailbox.should_cancel) && self.binder.is_some() {
                 return Event::Cancel;
@@ -419,13 +432,13 @@ impl Worker {
                 let is_new = mailbox.n_requests != self.seen;
                 if is_new || (request.playback.is_playing && self.on_stage.is_some()) {
                     self.seen = mailbox.n_requests;
-                    return Event::Draw(request.clone(), is_new);
+                    return Event::Draw(Box::new(request.clone()), is_new);
                 }
                 if self.pacer.wants_full() && self.drawn.is_some() && self.preview.is_none() {
                     let wait = self.pacer.rest_left(Instant::now());
                     // The binder needs the processors more than a picture of the groom before it does.
                     if wait.is_zero() && !request.is_interacting && self.binder.is_none() {
-                        return Event::Draw(request.clone(), false);
+                        return Event::Draw(Box::new(request.clone()), false);
                     }
                     let wait = wait.max(Duration::from_millis(20));
                     let waited = self.shared.posted.wait_timeout(mailbox, wait);
@@ -436,7 +449,7 @@ impl Worker {
                     && stage.watches_shaders()
                 {
                     if stage.has_new_shaders() {
-                        return Event::Draw(request.clone(), true);
+                        return Event::Draw(Box::new(request.clone()), true);
                     }
                     let waited = self.shared.posted.wait_timeout(mailbox, LOOK_FOR_SHADERS);
                     mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
@@ -555,6 +568,48 @@ impl Worker {
         }
     }
 
+    /// Whether the request's picture is there already, in full: only where two looks are wiped, which pixel is to be
+    /// inspected, or whether a hand is at work, is another.
+    fn is_drawn_but_for_words(&self, request: &FrameRequest) -> bool {
+        let Some(drawn) = &self.drawn else { return false };
+        let is_same_versus = |a: &Shown, b: &Shown| {
+            a.solo == b.solo && a.versus.as_ref().map(|(look, _)| look) == b.versus.as_ref().map(|(look, _)| look)
+        };
+        let alike = FrameRequest {
+            shown: drawn.shown.clone(),
+            inspect: drawn.inspect,
+            is_interacting: drawn.is_interacting,
+            ..request.clone()
+        };
+        alike == *drawn
+            && is_same_versus(&request.shown, &drawn.shown)
+            // The very same request is one to draw again: a shader has changed.
+            && request != drawn
+            && self.on_stage == Some(request.state)
+            && !self.pacer.wants_full()
+            && !request.playback.is_playing
+    }
+
+    /// Put the two pictures that are there together anew, and say what is under the pixel.
+    fn tell(&mut self, request: FrameRequest) {
+        let is_compared = self.drawn.as_ref().is_some_and(|drawn| drawn.shown == request.shown);
+        let Some(stage) = self.stage() else { return };
+        let mut errors = Vec::new();
+        if !is_compared
+            && let Some((_, comparison)) = &request.shown.versus
+            && let Err(why) = stage.compare_again(*comparison)
+        {
+            errors.push(why.to_string());
+        }
+        let inspection = inspected(stage, request.inspect, 1, &mut errors);
+        self.shared.publish(|report| {
+            report.shown.clone_from(&request.shown);
+            report.inspection = inspection;
+            report.errors.extend(errors);
+        });
+        self.drawn = Some(request);
+    }
+
     /// Draw a frame; false where nothing more can be drawn.
     fn draw(&mut self, request: FrameRequest, is_new: bool) -> bool {
         let mut detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new);
@@ -574,12 +629,15 @@ impl Worker {
             stage.lose_gpu();
         }
         stage.set_overlay(request.overlay.as_ref());
+        stage.set_shown(&request.shown);
         let result = stage.frame(&request.playback, dt_secs, &request.camera, request.size, detail);
         let frame_ms = ms_since(now);
         let wants_picture =
             detail.is_full() && request.n_pictures > self.drawn.as_ref().map_or(0, |drawn| drawn.n_pictures);
         let Some(stage) = self.stage() else { return true };
         let picture = wants_picture.then(|| stage.read_pixels());
+        let mut errors = Vec::new();
+        let inspection = inspected(stage, request.inspect, detail.coarseness, &mut errors);
         let is_lost = stage.is_lost();
         let mut news = FrameReport::default();
         stage.describe(&mut news);
@@ -598,6 +656,9 @@ impl Worker {
             report.state = state;
             report.camera = Some(request.camera);
             report.size = request.size;
+            report.shown.clone_from(&request.shown);
+            report.inspection = inspection;
+            report.errors.extend(errors);
             report.lod = lod;
             report.coarseness = detail.coarseness;
             report.frame_ms = frame_ms;
@@ -659,6 +720,22 @@ impl Worker {
             report.n_replaced += 1;
         });
         true
+    }
+}
+
+/// What is under a pixel of the full picture; nothing where the frame failed.
+fn inspected(
+    stage: &mut Stage,
+    pixel: Option<[u32; 2]>,
+    coarseness: u32,
+    errors: &mut Vec<String>,
+) -> Option<Inspection> {
+    match stage.inspect(pixel?.map(|at| at / coarseness)) {
+        Ok(inspection) => inspection,
+        Err(why) => {
+            errors.push(why.to_string());
+            None
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::room::commands::{ROOM_COMMANDS, RoomCommand};
 use super::tools::Tool;
 use super::tools::mesh::commands::{MESH_COMMANDS, MeshCommand};
 use super::tools::paint::commands::{PAINT_COMMANDS, PaintCommand};
@@ -64,6 +65,7 @@ pub enum Command {
     Mesh(MeshCommand),
     Paint(PaintCommand),
     Sculpt(SculptCommand),
+    Room(RoomCommand),
 }
 
 /// One row of the table.
@@ -161,7 +163,7 @@ pub const COMMANDS: &[Row] = &[
 
 /// The rows of all tables: the studio's own and each tool's.
 pub fn rows() -> impl Iterator<Item = &'static Row> {
-    COMMANDS.iter().chain(MESH_COMMANDS).chain(PAINT_COMMANDS).chain(SCULPT_COMMANDS)
+    COMMANDS.iter().chain(ROOM_COMMANDS).chain(MESH_COMMANDS).chain(PAINT_COMMANDS).chain(SCULPT_COMMANDS)
 }
 
 /// What the pointer does in the viewport, for the shortcut sheet.

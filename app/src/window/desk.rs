@@ -12,6 +12,7 @@ use super::commands::Command;
 use super::document::Document;
 use super::notices::Notices;
 use super::panels::lod::LodPanel;
+use super::room::Room;
 use super::settings::Settings;
 use super::tools::Tools;
 use crate::stage::Playback;
@@ -53,6 +54,8 @@ pub struct Desk {
     pub show_handles: bool,
     pub tools: Tools,
     pub levels: LodPanel,
+    /// Looks beside each other, one term alone, the inspector.
+    pub room: Room,
     /// Commands that panels ask for; run at the end of the frame.
     pub asked: Vec<Command>,
     /// What is being renamed in the outliner, and the text so far.
@@ -79,6 +82,7 @@ impl Default for Desk {
             show_handles: true,
             tools: Tools::default(),
             levels: LodPanel::default(),
+            room: Room::default(),
             asked: Vec::new(),
             renaming: None,
             recorder: None,

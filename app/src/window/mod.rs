@@ -15,6 +15,7 @@ mod panels;
 mod projection;
 mod questions;
 mod recovery;
+mod room;
 mod run_command;
 mod settings;
 mod start;
@@ -72,6 +73,8 @@ pub struct Studio {
     n_pictures: u64,
     /// Where the next picture of the viewport goes.
     picture_path: Option<std::path::PathBuf>,
+    /// A contact sheet that waits for its file's name.
+    sheet: Option<image::RgbaImage>,
     last_shadowing: lorelei_core::look::Shadowing,
     title: String,
     last_time_frame: u64,
@@ -149,6 +152,7 @@ impl Studio {
             handover,
             n_pictures: 0,
             picture_path: None,
+            sheet: None,
             last_shadowing: lorelei_core::look::Shadowing::DeepOpacity,
             title: String::new(),
             last_time_frame: 0,
@@ -240,6 +244,8 @@ impl Studio {
             size: self.viewport.size,
             playback: self.desk.playback,
             overlay: self.desk.tools.overlay(&self.desk.document.groom, self.desk.selection),
+            shown: self.desk.room.shown(),
+            inspect: self.desk.room.pixel,
             is_interacting: self.viewport.is_interacting,
             moving_budget_ms: self.desk.settings.moving_budget_ms,
             n_pictures: self.n_pictures,
@@ -253,6 +259,7 @@ impl Studio {
         report.state == self.desk.document.state()
             && report.camera == Some(self.desk.camera)
             && report.size == self.viewport.size
+            && report.shown == self.desk.room.shown()
             && self.jobs.running.is_empty()
     }
 

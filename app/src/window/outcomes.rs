@@ -10,6 +10,7 @@ use lorelei_core::motion::HeadPose;
 
 use super::desk::Selection;
 use super::document::Document;
+use super::files::choose::Purpose;
 use super::files::jobs::{self, Done};
 use super::notices::Severity;
 use super::recovery::Base;
@@ -66,6 +67,14 @@ impl Studio {
                     self.desk.notices.push(Severity::Info, "Level of detail", text);
                 }
                 Done::MapLoaded { kind, map } => tools::paint::take_map(&mut self.desk, kind, map),
+                Done::Sheet { picture } => {
+                    self.sheet = Some(picture);
+                    self.choose(ctx, Purpose::SaveSheet);
+                }
+                Done::TurntableSaved { n_pictures, folder } => {
+                    let text = format!("{n_pictures} pictures in {}", folder.display());
+                    self.desk.notices.push(Severity::Info, "Turntable saved", text);
+                }
                 Done::PictureSaved { path } => {
                     self.desk.notices.push(Severity::Info, "Picture saved", path.display().to_string());
                 }

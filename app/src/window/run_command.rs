@@ -13,9 +13,10 @@ use super::commands::Command;
 use super::desk::Selection;
 use super::files::choose::Purpose;
 use super::files::jobs;
+use super::room::commands::RoomCommand;
 use super::tools::Tool;
 use super::tools::paint::commands::PaintCommand;
-use super::{Next, Palette, Question, Studio, layout, panels, tools};
+use super::{Next, Palette, Question, Studio, layout, panels, room, tools};
 
 impl Studio {
     pub(super) fn is_enabled(&self, command: Command) -> bool {
@@ -41,6 +42,7 @@ impl Studio {
             Command::Mesh(command) => self.desk.tools.mesh.is_enabled(&self.desk, command),
             Command::Paint(command) => tools::paint::commands::is_enabled(&self.desk, command),
             Command::Sculpt(command) => tools::sculpt::commands::is_enabled(&self.desk, command),
+            Command::Room(command) => room::commands::is_enabled(&self.desk, command),
             _ => true,
         }
     }
@@ -134,8 +136,21 @@ impl Studio {
             Command::Paint(PaintCommand::Save) => self.choose(ctx, Purpose::SaveMap),
             Command::Paint(command) => tools::paint::commands::run(&mut self.desk, command),
             Command::Sculpt(command) => tools::sculpt::commands::run(&mut self.desk, command),
+            Command::Room(RoomCommand::ContactSheet) => self.draw_sheet(ctx, self.desk.room.slot),
+            Command::Room(RoomCommand::Turntable) => self.choose(ctx, Purpose::SaveTurntable),
+            Command::Room(RoomCommand::LoadLook) => self.choose(ctx, Purpose::LoadLook),
+            Command::Room(RoomCommand::SaveLook) => self.choose(ctx, Purpose::SaveLook),
+            Command::Room(command) => room::commands::run(&mut self.desk, command),
             Command::Shortcuts => self.shows_shortcuts = !self.shows_shortcuts,
         }
+    }
+
+    /// Draw every choice of a slot as the viewport is now, in the background.
+    pub(super) fn draw_sheet(&mut self, ctx: &egui::Context, slot: &'static str) {
+        self.desk.room.slot = slot;
+        let (groom, camera, shown) = (self.desk.document.groom.clone(), self.desk.camera, self.desk.room.shown());
+        let work = move |watch: Watch<'_>| jobs::draw_sheet(&groom, &shown, &camera, slot, watch);
+        self.jobs.start(ctx, format!("Drawing the contact sheet of {slot}"), work);
     }
 
     fn take_tool(&mut self, ctx: &egui::Context, tool: Tool) {

@@ -111,7 +111,7 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     let mut look = groom.look.clone();
     let choices: serde_json::Map<String, serde_json::Value> =
         look.slots().iter().map(|slot| (slot.key.to_owned(), slot.chosen().name.into())).collect();
-    json!({
+    let mut state = json!({
         "name": groom.name,
         "path": desk.document.path,
         "unsaved": desk.document.is_unsaved(),
@@ -164,7 +164,10 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         "pointer_down": input.pointer.any_down(),
         "viewport": rect,
         "head_handle": studio.head_handle(),
-    })
+    });
+    // One more entry is more than the macro expands.
+    state["room"] = super::room::report(desk);
+    state
 }
 
 /// What is kept of what was done.

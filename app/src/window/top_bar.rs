@@ -1,8 +1,11 @@
 //! The menus, made from the table of commands, and the transport.
 
 use egui::{RichText, Ui, vec2};
+use lorelei_core::look::presets::look_presets;
 
 use super::commands::{Command, rows};
+use super::room::commands::{RoomCommand, set_look};
+use super::state_report::mark;
 use super::{Next, Studio, theme};
 
 pub fn ui(ui: &mut Ui, studio: &mut Studio) {
@@ -11,11 +14,12 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
         egui::MenuBar::new().ui(ui, |ui| {
             ui.label(RichText::new("Lorelei").strong().color(theme::ACCENT));
             ui.add_space(8.0);
-            for group in ["File", "Edit", "View", "Tools", "Mesh", "Movement", "Help"] {
-                ui.menu_button(group, |ui| {
+            for group in ["File", "Edit", "View", "Look", "Tools", "Mesh", "Movement", "Help"] {
+                let menu_button = ui.menu_button(group, |ui| {
                     ui.set_min_width(230.0);
                     menu(ui, studio, group);
                 });
+                mark(ui.ctx(), || format!("menu {group}"), menu_button.response.rect);
             }
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| transport(ui, studio));
         });
@@ -23,7 +27,7 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
 }
 
 fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
-    for row in rows().filter(|row| row.group == group || (group == "Edit" && row.group == "Look")) {
+    for row in rows().filter(|row| row.group == group) {
         if matches!(row.command, Command::Quit) {
             ui.separator();
         }
@@ -50,6 +54,12 @@ fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
                 }
             });
         }
+        if row.command == Command::Room(RoomCommand::ContactSheet) {
+            sheets(ui, studio);
+        }
+        if row.command == Command::Room(RoomCommand::LoadLook) {
+            looks(ui, studio);
+        }
         if matches!(row.command, Command::Open) {
             recent(ui, studio);
         }
@@ -59,6 +69,33 @@ fn menu(ui: &mut Ui, studio: &mut Studio, group: &str) {
         ui.checkbox(&mut studio.desk.settings.use_system_dialogs, "System file dialogs")
             .on_hover_text("Where a desktop portal answers; off: always the studio's own");
     }
+}
+
+fn sheets(ui: &mut Ui, studio: &mut Studio) {
+    ui.menu_button("Contact sheet of", |ui| {
+        for (key, label, help) in crate::sheet::slots() {
+            if ui.button(label).on_hover_text(help).clicked() {
+                let ctx = ui.ctx().clone();
+                studio.draw_sheet(&ctx, key);
+                ui.close();
+            }
+        }
+    });
+}
+
+/// The studio's own looks.
+fn looks(ui: &mut Ui, studio: &mut Studio) {
+    let menu = ui.menu_button("Looks", |ui| {
+        for preset in look_presets() {
+            let button = ui.button(&preset.name);
+            mark(ui.ctx(), || format!("look {}", preset.name), button.rect);
+            if button.on_hover_text(&preset.help).clicked() {
+                set_look(&mut studio.desk, &format!("Look: {}", preset.name), preset.look);
+                ui.close();
+            }
+        }
+    });
+    mark(ui.ctx(), || "menu Looks".to_owned(), menu.response.rect);
 }
 
 fn recent(ui: &mut Ui, studio: &mut Studio) {

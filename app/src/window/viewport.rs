@@ -7,6 +7,7 @@ use super::desk::Desk;
 use super::handles::{self, HandleDrag};
 use super::navigation;
 use super::projection::Projection;
+use super::room;
 use super::theme;
 use super::tools::{self, Tool};
 
@@ -70,9 +71,10 @@ impl Viewport {
             handles::lights(ui, desk, projection, &mut self.drag);
             is_dragging_handle = handles::head(ui, desk, projection);
         }
+        let is_wiping = room::viewport(ui, desk, rect, &response);
         self.follow_grab(ui, desk, rect);
         self.is_interacting =
-            has_moved || response.dragged() || is_tool_busy || is_dragging_handle || self.grab.is_some();
+            has_moved || response.dragged() || is_tool_busy || is_dragging_handle || is_wiping || self.grab.is_some();
         self.overlay(ui, desk, rect);
     }
 

@@ -8,6 +8,7 @@
 mod controls;
 mod modelling;
 mod painting;
+mod room;
 mod sample;
 mod sculpting;
 mod studio;

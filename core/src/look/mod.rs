@@ -6,20 +6,21 @@
 
 mod drawing;
 mod picture;
+pub mod presets;
 mod scattering;
 mod shadowing;
 mod slot;
+pub mod view;
 
 use serde::{Deserialize, Serialize};
 
 pub use drawing::{Antialiasing, DrawingParams, Primitive, ShadingRate, Transparency};
 pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
-pub use scattering::{
-    Environment, Fresnel, KajiyaKayParams, Marschner2003Params, MultipleScattering, Offsets, Scattering,
-};
-pub use shadowing::{DeepOpacityParams, Shadowing};
+pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scattering};
+pub use shadowing::{BeyondLast, LayerSpacing, ShadowParams, Shadowing};
 pub(crate) use slot::choices;
 pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot, Switch, set};
+pub use view::{FalseColour, ViewParams};
 
 /// Every slot's choice, with the parameters of all its choices, so that switching back loses nothing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,11 +40,6 @@ pub struct Look {
     pub weight_tt: f32,
     pub weight_trt: f32,
     pub kajiya_kay: KajiyaKayParams,
-    pub marschner_2003: Marschner2003Params,
-    /// Weight of what crosses the fibre three times or more, where the model has it.
-    pub rest_weight: f32,
-    pub fresnel: Fresnel,
-    pub offsets: Offsets,
     pub multiple_scattering: MultipleScattering,
     /// Scale of the multiple-scattering term.
     pub multiple_scattering_weight: f32,
@@ -52,7 +48,9 @@ pub struct Look {
     pub environment_colour: [f32; 3],
     pub environment_intensity: f32,
     pub shadowing: Shadowing,
-    pub deep_opacity: DeepOpacityParams,
+    /// Older files call it by the one technique that there was then.
+    #[serde(alias = "deep_opacity")]
+    pub shadows: ShadowParams,
     pub head: HeadShading,
     /// Linear RGB diffuse albedo.
     pub skin_colour: [f32; 3],
@@ -71,6 +69,8 @@ pub struct Look {
     pub background_grey: f32,
     /// 0-1: share of the strands drawn, the rest's area given to them as width.
     pub lod: f32,
+    pub view: FalseColour,
+    pub view_params: ViewParams,
 }
 
 impl Default for Look {
@@ -89,17 +89,13 @@ impl Default for Look {
             weight_tt: 1.0,
             weight_trt: 1.0,
             kajiya_kay: KajiyaKayParams::default(),
-            marschner_2003: Marschner2003Params::default(),
-            rest_weight: 1.0,
-            fresnel: Fresnel::Exact,
-            offsets: Offsets::Fitted,
             multiple_scattering: MultipleScattering::FakeNormal,
             multiple_scattering_weight: 1.0,
             environment: Environment::Constant,
             environment_colour: [0.9, 0.95, 1.0],
             environment_intensity: 0.3,
             shadowing: Shadowing::DeepOpacity,
-            deep_opacity: DeepOpacityParams::default(),
+            shadows: ShadowParams::default(),
             head: HeadShading::Skin,
             skin_colour: [0.40, 0.265, 0.20],
             skin_gloss: 0.5,
@@ -111,6 +107,8 @@ impl Default for Look {
             background: Background::Gradient,
             background_grey: 0.28,
             lod: 1.0,
+            view: FalseColour::Final,
+            view_params: ViewParams::default(),
         }
     }
 }
@@ -123,14 +121,7 @@ impl Look {
             drawing::antialiasing(&mut self.antialiasing),
             drawing::transparency(&mut self.transparency, &mut self.drawing),
             drawing::shading_rate(&mut self.shading_rate),
-            scattering::scattering(
-                &mut self.scattering,
-                &mut self.kajiya_kay,
-                &mut self.marschner_2003,
-                &mut self.rest_weight,
-            ),
-            scattering::fresnel(&mut self.fresnel),
-            scattering::offsets(&mut self.offsets),
+            scattering::scattering(&mut self.scattering, &mut self.kajiya_kay),
             scattering::lobe_r(&mut self.lobe_r, &mut self.weight_r),
             scattering::lobe_tt(&mut self.lobe_tt, &mut self.weight_tt),
             scattering::lobe_trt(&mut self.lobe_trt, &mut self.weight_trt),
@@ -140,7 +131,7 @@ impl Look {
                 &mut self.environment_colour,
                 &mut self.environment_intensity,
             ),
-            shadowing::shadowing(&mut self.shadowing, &mut self.deep_opacity),
+            shadowing::shadowing(&mut self.shadowing, &mut self.shadows),
             picture::head(
                 &mut self.head,
                 &mut self.skin_colour,
@@ -150,6 +141,7 @@ impl Look {
             ),
             picture::tonemapping(&mut self.tonemapping, &mut self.exposure, &mut self.white_balance),
             picture::background(&mut self.background, &mut self.background_grey),
+            view::view(&mut self.view, &mut self.view_params),
         ]
     }
 }
@@ -167,6 +159,10 @@ mod tests {
             for param in slot.params {
                 assert!(param.key.starts_with(&format!("{}.", slot.key)), "{}", param.key);
                 assert!(keys.insert(param.key.clone()), "{}", param.key);
+                if let ParamValue::Choice(choice) = &param.value {
+                    assert!(choice.infos().iter().any(|info| info.name == param.value.to_text()), "{}", param.key);
+                    continue;
+                }
                 let values: Vec<f32> = param.value.to_text().split(',').map(|v| v.parse().unwrap()).collect();
                 assert!(values.iter().all(|v| (param.min..=param.max).contains(v)), "{}", param.key);
             }
@@ -179,14 +175,16 @@ mod tests {
         set(&mut look.slots(), "shadowing", "off").unwrap();
         set(&mut look.slots(), "shadowing.layers", "5").unwrap();
         set(&mut look.slots(), "head.colour", "0.1, 0.2,0.3").unwrap();
+        set(&mut look.slots(), "shadowing.spacing", "fibonacci").unwrap();
         assert_eq!(
-            (look.shadowing, look.deep_opacity.n_layers, look.skin_colour),
-            (Shadowing::Off, 5, [0.1, 0.2, 0.3])
+            (look.shadowing, look.shadows.n_layers, look.skin_colour, look.shadows.layer_spacing),
+            (Shadowing::Off, 5, [0.1, 0.2, 0.3], LayerSpacing::Fibonacci)
         );
         let before = look.clone();
         for (key, value) in [
             ("shadowing", "magic"),
             ("shadowing.layers", "99"),
+            ("shadowing.spacing", "wide"),
             ("head.colour", "1,2"),
             ("nothing", "1"),
             ("r.weight", "NaN"),

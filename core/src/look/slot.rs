@@ -67,6 +67,8 @@ pub enum ParamValue<'a> {
     U32(&'a mut u32),
     /// Linear RGB.
     Colour(&'a mut [f32; 3]),
+    /// One of a few, where a shader of its own for each would be too much.
+    Choice(&'a mut dyn AnyChoice),
 }
 
 impl ParamValue<'_> {
@@ -76,6 +78,7 @@ impl ParamValue<'_> {
             Self::F32(value) => value.to_string(),
             Self::U32(value) => value.to_string(),
             Self::Colour([r, g, b]) => format!("{r},{g},{b}"),
+            Self::Choice(choice) => choice.infos()[choice.index()].name.to_owned(),
         }
     }
 }
@@ -115,6 +118,12 @@ impl Param<'_> {
                     value.split(',').map(|part| part.trim().parse().ok().filter(|&v| in_range(v))).collect();
                 let rgb = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
                 **target = rgb.ok_or_else(|| bad(format!("three numbers from {min} to {max}: R,G,B")))?;
+            }
+            ParamValue::Choice(target) => {
+                let infos = target.infos();
+                let index = infos.iter().position(|info| info.name == value);
+                let names = || infos.iter().map(|info| info.name).collect::<Vec<_>>().join(", ");
+                target.set_index(index.ok_or_else(|| bad(names()))?);
             }
         }
         Ok(())
@@ -187,6 +196,17 @@ pub(super) fn colour<'a>(
         of,
         value: ParamValue::Colour(value),
     }
+}
+
+pub(super) fn alternatives<'a>(
+    key: &str,
+    label: &'static str,
+    value: &'a mut dyn AnyChoice,
+    of: &'static [&'static str],
+    help: &'static str,
+) -> Param<'a> {
+    let max = value.infos().len().saturating_sub(1) as f32;
+    Param { key: key.to_owned(), label, unit: "", min: 0.0, max, help, of, value: ParamValue::Choice(value) }
 }
 
 /// Why `KEY=VALUE` was not taken.

@@ -11,10 +11,12 @@ use crate::scene::{Ball, SceneLight};
 pub struct ShadowLight {
     /// World centimetres to (texel x * w, texel y * w, depth along the light's axis in cm, w); columns.
     pub map_from_world: [f32; 16],
+    /// As [`SceneLight::place`].
+    pub place: [f32; 4],
     /// Texels of one centimetre at w = 1.
     pub texels_per_cm: f32,
     pub casts: u32,
-    /// Depths of the head's map, centimetres.
+    /// Depths between which everything lies, centimetres.
     pub near: f32,
     pub far: f32,
     /// Radius of the blur of a shadow's edge for each centimetre between what casts and what receives it.
@@ -47,6 +49,7 @@ impl ShadowLight {
             ];
             return Self {
                 map_from_world: from_rows(rows),
+                place: light.place,
                 texels_per_cm,
                 casts,
                 near: 0.0,
@@ -71,6 +74,7 @@ impl ShadowLight {
         let near = (distance - ball.radius).max(0.5);
         Self {
             map_from_world: from_rows(rows),
+            place: light.place,
             texels_per_cm,
             casts,
             near,

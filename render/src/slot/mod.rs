@@ -4,7 +4,9 @@
 mod drawing;
 mod scattering;
 mod shadowing;
+mod view;
 
 pub use drawing::{antialiasing, background, shading_rate, supersampling, tonemapping};
 pub use scattering::{environment, lobes, multiple_scattering, scattering};
 pub use shadowing::shadowing;
+pub use view::{view_colour, view_picture};

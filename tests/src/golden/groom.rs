@@ -58,7 +58,7 @@ pub fn groom() -> Groom {
     let mut groom =
         Groom { name: "golden".to_owned(), head: Some(ball()), layers: vec![hair], lights, ..Groom::default() };
     // Enough for a picture of 256 pixels, and a sixteenth of the work.
-    groom.look.deep_opacity.resolution = 256;
+    groom.look.shadows.resolution = 256;
     // Lamps show a lobe that is missing, light from all around hides it.
     groom.look.environment_intensity = 0.09;
     groom

@@ -24,6 +24,10 @@ pub enum Purpose {
     SaveStyle,
     LoadMap,
     SaveMap,
+    LoadLook,
+    SaveLook,
+    SaveSheet,
+    SaveTurntable,
 }
 
 /// What a person answered.
@@ -50,6 +54,10 @@ impl Purpose {
             Self::SaveStyle => "Save style",
             Self::LoadMap => "Load map",
             Self::SaveMap => "Save map",
+            Self::LoadLook => "Load look",
+            Self::SaveLook => "Save look",
+            Self::SaveSheet => "Save the contact sheet",
+            Self::SaveTurntable => "Save the turntable",
         }
     }
 
@@ -63,8 +71,10 @@ impl Purpose {
             Self::ImportHairMesh => vec!["obj", "glb", "gltf"],
             Self::ExportHairMesh => HAIR_MESH_EXTENSIONS.to_vec(),
             Self::Export => OUTPUT_EXTENSIONS.to_vec(),
-            Self::SavePicture => vec!["png"],
-            Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle => vec!["ron"],
+            Self::SavePicture | Self::SaveSheet | Self::SaveTurntable => vec!["png"],
+            Self::SaveMacro | Self::PlayMacro | Self::LoadStyle | Self::SaveStyle | Self::LoadLook | Self::SaveLook => {
+                vec!["ron"]
+            }
             Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
         };
         all.into_iter().map(str::to_owned).collect()
@@ -80,6 +90,9 @@ impl Purpose {
                 | Self::SaveMacro
                 | Self::SaveStyle
                 | Self::SaveMap
+                | Self::SaveLook
+                | Self::SaveSheet
+                | Self::SaveTurntable
         )
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::choose::{Choice, Chooser, Purpose};
 use super::jobs;
 use crate::window::desk::Selection;
-use crate::window::{Studio, panels, tools};
+use crate::window::{Studio, panels, room, tools};
 
 impl Studio {
     pub(in crate::window) fn choose(&mut self, ctx: &egui::Context, purpose: Purpose) {
@@ -16,7 +16,13 @@ impl Studio {
             .as_deref()
             .and_then(Path::file_stem)
             .map_or_else(|| document.groom.name.clone(), |stem| stem.to_string_lossy().into_owned());
-        let stem = if purpose == Purpose::SaveMacro { "macro".to_owned() } else { stem };
+        let stem = match purpose {
+            Purpose::SaveMacro => "macro".to_owned(),
+            Purpose::SaveLook => "look".to_owned(),
+            Purpose::SaveSheet => self.desk.room.slot.to_owned(),
+            Purpose::SaveTurntable => "turntable".to_owned(),
+            _ => stem,
+        };
         let name = if purpose.is_save() {
             purpose.with_extension(stem.replace(std::path::is_separator, "-").into()).display().to_string()
         } else {
@@ -30,7 +36,10 @@ impl Studio {
         let Some((purpose, choice)) = self.chooser.as_mut().and_then(|chooser| chooser.ui(ctx)) else { return };
         self.chooser = None;
         match choice {
-            Choice::Cancelled => self.after_save = None,
+            Choice::Cancelled => {
+                self.after_save = None;
+                self.sheet = None;
+            }
             Choice::Path(path) => self.chosen(ctx, purpose, path),
         }
     }
@@ -66,6 +75,23 @@ impl Studio {
                 if let Err(why) = done {
                     self.desk.notices.error(format!("{name} was not used as a style"), why.to_string());
                 }
+            }
+            Purpose::LoadLook | Purpose::SaveLook => {
+                let done = room::commands::file(&mut self.desk, purpose == Purpose::SaveLook, &path);
+                if let Err(why) = done {
+                    self.desk.notices.error(format!("{name} was not used as a look"), why.to_string());
+                }
+            }
+            Purpose::SaveSheet => {
+                let Some(picture) = self.sheet.take() else { return };
+                self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save_picture(&picture, &path));
+            }
+            Purpose::SaveTurntable => {
+                let (camera, size, shown) = (self.desk.camera, self.viewport.size, self.desk.room.shown());
+                let work = move |watch: lorelei_core::io::Watch<'_>| {
+                    jobs::turntable(&groom, &shown, &camera, size, &path, watch)
+                };
+                self.jobs.start(ctx, "Drawing the turntable", work);
             }
             Purpose::SavePicture => {
                 self.picture_path = Some(path);

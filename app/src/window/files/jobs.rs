@@ -13,10 +13,13 @@ use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
 use lorelei_core::maps::picture::{self, PictureError, PictureKind};
 use lorelei_core::maps::{MapKind, ScalpMap};
 use lorelei_core::script::{self, Step};
+use lorelei_shaders::Gpu;
 
 use crate::lod_strip::{LevelPicture, LevelStage};
-use crate::open;
+use crate::sheet::{self, SheetInput};
+use crate::stage::shown::Shown;
 use crate::window::recovery::Restored;
+use crate::{open, turntable};
 
 /// What came of a job.
 pub enum Done {
@@ -54,6 +57,14 @@ pub enum Done {
     Level {
         level: f32,
         ms: f32,
+    },
+    /// A contact sheet, to be saved where the artist says.
+    Sheet {
+        picture: image::RgbaImage,
+    },
+    TurntableSaved {
+        n_pictures: usize,
+        folder: PathBuf,
     },
     MapLoaded {
         kind: MapKind,
@@ -94,11 +105,13 @@ impl Done {
             | Self::Head { .. }
             | Self::Levels { .. }
             | Self::Level { .. }
+            | Self::Sheet { .. }
             | Self::MapLoaded { .. }
             | Self::Played { .. }
             | Self::Recovered { .. } => true,
             Self::Saved { .. }
             | Self::PictureSaved { .. }
+            | Self::TurntableSaved { .. }
             | Self::MacroSaved { .. }
             | Self::Exported { .. }
             | Self::Failed { .. }
@@ -334,6 +347,42 @@ pub fn play_macro(mut groom: Groom, path: &Path, watch: Watch<'_>) -> Done {
         Err(refusal) => {
             failed(format!("{refusal}\nNothing was changed. It was made for another groom, or has a fault"))
         }
+    }
+}
+
+/// Pixels of a tile of a contact sheet.
+const TILE_SIZE: [u32; 2] = [420, 420];
+/// Pictures of a turntable: a second and a half at 24 a second.
+const N_TURNTABLE: u32 = 36;
+
+/// Draw every choice of a slot, seen as the viewport sees the groom.
+pub fn draw_sheet(groom: &Groom, shown: &Shown, camera: &Camera, slot: &str, watch: Watch<'_>) -> Done {
+    let failed = |why: String| Done::Failed { title: "The contact sheet could not be drawn".to_owned(), why };
+    let Some(name) = sheet::slots().into_iter().find(|(key, ..)| *key == slot) else {
+        return failed(format!("there is no slot {slot}"));
+    };
+    let gpu = match Gpu::headless() {
+        Ok(gpu) => gpu,
+        Err(why) => return failed(why.to_string()),
+    };
+    let groom = Groom { look: shown.look(&groom.look), lights: shown.lights(&groom.lights), ..groom.clone() };
+    let input = SheetInput { groom: &groom, camera, size: TILE_SIZE, n_frames: 1 };
+    match sheet::draw(&gpu, name, &input, watch) {
+        Ok(Some(sheet)) => Done::Sheet { picture: sheet.picture() },
+        Ok(None) => Done::Cancelled,
+        Err(why) => failed(why.to_string()),
+    }
+}
+
+/// Draw and write pictures from all around.
+pub fn turntable(groom: &Groom, shown: &Shown, camera: &Camera, size: [u32; 2], path: &Path, watch: Watch<'_>) -> Done {
+    match turntable::write_beside(groom, shown, camera, size, N_TURNTABLE, path, watch) {
+        Ok(_) if watch.cancelled() => Done::Cancelled,
+        Ok(written) => Done::TurntableSaved {
+            n_pictures: written.len(),
+            folder: path.parent().unwrap_or(Path::new("")).to_owned(),
+        },
+        Err(why) => Done::Failed { title: "The turntable was not finished".to_owned(), why: why.to_string() },
     }
 }
 

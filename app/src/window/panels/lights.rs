@@ -6,7 +6,9 @@ use lorelei_core::history::Merge;
 use lorelei_core::light::{Light, LightKind, three_point_rig};
 
 use super::widgets::{self, Change, form_row, section};
+use crate::stage::shown::Solo;
 use crate::window::desk::{Desk, Selection, merge_of};
+use crate::window::room;
 use crate::window::theme;
 
 pub fn ui(ui: &mut Ui, desk: &mut Desk) {
@@ -25,6 +27,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         let name = light.name.clone();
         ui.push_id(light_idx, |ui| {
             section(ui, &name);
+            room::solo_button(ui, desk, Solo::Light(light_idx));
             if is_selected {
                 one(ui, desk, light_idx);
             } else {

@@ -3,9 +3,12 @@
 use egui::Ui;
 use lorelei_core::edit::Edit;
 use lorelei_core::look::Look;
+use lorelei_core::look::presets::TERMS;
 
 use super::widgets;
+use crate::stage::shown::Solo;
 use crate::window::desk::{Desk, merge_of};
+use crate::window::room;
 
 /// What a pass is called decides which slot it is shown beside; the first match counts.
 const COSTS: &[(&str, &[&str])] = &[
@@ -28,7 +31,14 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         for (slot, default) in slots.iter_mut().zip(&mut defaults) {
             // A frame may leave out passes whose results stand; then the last time counts.
             let cost = desk.times.iter().rev().find_map(|frame| cost_ms(slot.key, &frame.passes));
-            change = widgets::slot(ui, slot, default, cost).or(change);
+            let of_slot = widgets::slot(ui, slot, default, cost);
+            if of_slot.is_some() {
+                desk.room.slot = slot.key;
+            }
+            change = of_slot.or(change);
+            if TERMS.iter().any(|(term, _)| *term == slot.key) {
+                ui.indent(("solo", slot.key), |ui| room::solo_button(ui, desk, Solo::Term(slot.key)));
+            }
             ui.add_space(3.0);
         }
     }

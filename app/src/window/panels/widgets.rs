@@ -7,7 +7,7 @@
 use std::hash::{Hash, Hasher};
 
 use egui::{Align2, Color32, DragValue, Response, RichText, Sense, Ui, vec2};
-use lorelei_core::look::{Param, ParamValue, Slot};
+use lorelei_core::look::{AnyChoice, Param, ParamValue, Slot};
 
 use crate::window::state_report::mark;
 use crate::window::theme;
@@ -165,13 +165,17 @@ pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Optio
     let is_changed = default.is_some_and(|default| default != param.value.to_text());
     let (label, unit, range) = (param.label, param.unit, (param.min, param.max));
     let help = if unit.len() > LONGEST_UNIT { format!("{}, in {unit}", param.help) } else { param.help.to_owned() };
-    let is_colour = matches!(param.value, ParamValue::Colour(_));
+    let how = match &param.value {
+        ParamValue::F32(_) | ParamValue::U32(_) => "Drag, with Shift slowly, or click and type",
+        ParamValue::Colour(_) | ParamValue::Choice(_) => "Click to pick",
+    };
+    let key = param.key.clone();
     let (is_reset, response) = form_row(ui, label, &help, is_changed, |ui| match &mut param.value {
         ParamValue::F32(value) => number(ui, value, range, unit),
         ParamValue::U32(value) => integer(ui, value, (range.0 as u32, range.1 as u32), unit),
         ParamValue::Colour(rgb) => colour(ui, rgb),
+        ParamValue::Choice(choice) => combo(ui, &key, &mut **choice),
     });
-    let how = if is_colour { "Click to pick" } else { "Drag, with Shift slowly, or click and type" };
     let response = explained(response, &help, how);
     mark(ui.ctx(), || format!("value {}", param.key), response.rect);
     if is_reset && let Some(default) = default {
@@ -179,6 +183,28 @@ pub fn param(ui: &mut Ui, param: &mut Param<'_>, default: Option<&str>) -> Optio
         return Some(Change::once(format!("Reset {}", label.to_lowercase())));
     }
     Change::from_response(label, &response)
+}
+
+/// One of a few, by its name in a list.
+fn combo(ui: &mut Ui, key: &str, choice: &mut dyn AnyChoice) -> Response {
+    let (infos, index) = (choice.infos(), choice.index());
+    let mut chosen = index;
+    let list =
+        egui::ComboBox::from_id_salt(key).width(ui.available_width()).selected_text(infos[index].label).truncate();
+    let mut response = list
+        .show_ui(ui, |ui| {
+            for (i, info) in infos.iter().enumerate() {
+                let row = ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
+                mark(ui.ctx(), || format!("choice {key}={}", info.name), row.rect);
+            }
+        })
+        .response
+        .on_hover_text(infos[index].help);
+    if chosen != index {
+        choice.set_index(chosen);
+        response.mark_changed();
+    }
+    response
 }
 
 /// What a control is for, and how it is used.

@@ -1,0 +1,15 @@
+// The layers of a deep opacity map after the filter, and the last one where it grows.
+#define_import_path lorelei::shadow_layers
+#import lorelei::shadow_map::{shadow_params, BEYOND_GROW, layer_start}
+
+// Numbers a texel: depth of the front in cm (NO_HAIR: none), the optical depth down to each layer's end, and where the
+// last layer grows, how far behind the front it ends.
+fn n_filtered() -> u32 {
+    return shadow_params.n_parts + 1u + u32(shadow_params.beyond_last == BEYOND_GROW);
+}
+
+// Share of the last layer that is before a depth behind the front, where the layer ends at `end`.
+fn grown_share(behind: f32, end: f32) -> f32 {
+    let start = layer_start(shadow_params.n_parts - 1u);
+    return saturate((behind - start) / max(end - start, 1e-4));
+}
