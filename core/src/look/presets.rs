@@ -92,7 +92,7 @@ impl Look {
                             *channel = if channel.is_finite() { channel.clamp(min, max) } else { *default };
                         }
                     }
-                    (ParamValue::F32(_) | ParamValue::U32(_) | ParamValue::Colour(_), _) => {}
+                    (ParamValue::F32(_) | ParamValue::U32(_) | ParamValue::Colour(_) | ParamValue::Choice(_), _) => {}
                 }
             }
         }
