@@ -157,7 +157,9 @@ impl FalseColourPass {
         let strands = &input.mirror.buffers;
         let key = (input.look.view, input.look.shadowing);
         let make = |library: &ShaderLibrary| {
-            library.kernel(gpu, "view_vertex", "paint", &[], &[slot::view_colour(key.0), slot::shadowing(key.1)])
+            let mut links = slot::shadowing(key.1);
+            links.push(slot::view_colour(key.0));
+            library.kernel(gpu, "view_vertex", "paint", &[], &links)
         };
         if let Some(kernel) = self.paint.get_mut(&key) {
             kernel.refresh(library, make);
