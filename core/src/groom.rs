@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::hair_mesh::HairMesh;
 use crate::io::Space;
 use crate::light::{Light, three_point_rig};
 use crate::lod::LodSettings;
-use crate::look::{AnyChoice, Choice, ChoiceInfo, Look, Param, ParamValue, Slot};
+use crate::look::{Look, Param, ParamValue};
 use crate::maps::{MapKind, Maps, ScalpMap};
+pub use crate::material::{HairMaterial, HairPreset, Pigment};
 use crate::mesh::TriMesh;
 use crate::sculpt::Sculpt;
 use crate::simulation::SimulationSettings;
@@ -123,108 +123,6 @@ impl Source {
             (Self::Guides(a), Self::Guides(b)) | (Self::Strands(a), Self::Strands(b)) => Arc::ptr_eq(a, b),
             (Self::HairMesh(_) | Self::Guides(_) | Self::Strands(_), _) => false,
         }
-    }
-}
-
-/// What the fibres are made of.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct HairMaterial {
-    pub pigment: Pigment,
-    /// Concentrations in the units of Chiang et al. 2016 / pbrt: absorption per fibre radius is
-    /// eumelanin * (0.419, 0.697, 1.37) + pheomelanin * (0.187, 0.4, 1.05).
-    pub eumelanin: f32,
-    pub pheomelanin: f32,
-    /// Linear RGB of the whole head of hair, for [`Pigment::Colour`].
-    pub colour: [f32; 3],
-    /// Longitudinal roughness: standard deviation of the R lobe.
-    pub beta_m_deg: f32,
-    /// Azimuthal roughness, 0-1 as in Chiang et al. 2016.
-    pub beta_n: f32,
-    /// Tilt of the cuticle scales towards the root.
-    pub tilt_deg: f32,
-    pub index_of_refraction: f32,
-    /// Spread of the colour from strand to strand, 0-1.
-    pub colour_variation: f32,
-    /// Lighter towards the tip: share of the absorption that is gone there, 0-1.
-    pub tip_lightening: f32,
-}
-
-/// How the absorption is given.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Pigment {
-    Melanin,
-    Colour,
-}
-
-impl Choice for Pigment {
-    const ALL: &'static [Self] = &[Self::Melanin, Self::Colour];
-    fn info(self) -> ChoiceInfo {
-        match self {
-            Self::Melanin => {
-                ChoiceInfo { name: "melanin", label: "Melanin", help: "Eumelanin (brown) and pheomelanin (red)" }
-            }
-            Self::Colour => ChoiceInfo {
-                name: "colour",
-                label: "Colour",
-                help: "The absorption that gives a head of hair this colour (Chiang et al. 2016)",
-            },
-        }
-    }
-}
-
-impl Default for HairMaterial {
-    fn default() -> Self {
-        Self {
-            pigment: Pigment::Melanin,
-            eumelanin: 1.3,
-            pheomelanin: 0.2,
-            colour: [0.25, 0.12, 0.05],
-            beta_m_deg: 7.5,
-            beta_n: 0.3,
-            tilt_deg: 3.0,
-            index_of_refraction: 1.55,
-            colour_variation: 0.15,
-            tip_lightening: 0.15,
-        }
-    }
-}
-
-impl HairMaterial {
-    /// Absorption coefficient per fibre radius, RGB.
-    pub fn sigma_a(&self) -> Vec3 {
-        match self.pigment {
-            // pbrt-v4, HairBxDF::SigmaAFromConcentration, after d'Eon et al. 2011.
-            Pigment::Melanin => {
-                Vec3::new(0.419, 0.697, 1.37) * self.eumelanin + Vec3::new(0.187, 0.4, 1.05) * self.pheomelanin
-            }
-            // Chiang et al. 2016, eq. 9.
-            Pigment::Colour => {
-                let b = self.beta_n;
-                let d =
-                    5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5);
-                Vec3::from_array(self.colour.map(|c| (c.clamp(1e-4, 0.999).ln() / d).powi(2)))
-            }
-        }
-    }
-
-    /// The material's settings as a slot, for panels and `--set`.
-    #[rustfmt::skip]
-    pub fn slot(&mut self) -> Slot<'_> {
-        let number = |key: &str, label, unit, (min, max), value, of, help| Param {
-            key: format!("hair.{key}"), label, unit, min, max, of, help, value: ParamValue::F32(value),
-        };
-        Slot { key: "hair", label: "Hair fibre", help: "What the fibres of a layer are made of", choice: &mut self.pigment as &mut dyn AnyChoice, params: vec![
-            number("eumelanin", "Eumelanin", "", (0.0, 10.0), &mut self.eumelanin, &["melanin"] as &'static [&'static str], "Brown pigment: 8 black, 1.3 brown, 0.3 blond"),
-            number("pheomelanin", "Pheomelanin", "", (0.0, 10.0), &mut self.pheomelanin, &["melanin"], "Red pigment: 1.5-2 in red hair"),
-            Param { key: "hair.colour".to_owned(), label: "Colour", unit: "linear RGB", min: 0.0, max: 1.0, of: &["colour"], help: "Colour of the whole head of hair", value: ParamValue::Colour(&mut self.colour) },
-            number("beta_m_deg", "Roughness along", "deg", (1.0, 40.0), &mut self.beta_m_deg, &[], "Width of the highlight along the strand"),
-            number("beta_n", "Roughness around", "", (0.05, 1.0), &mut self.beta_n, &[], "Width of the scattering around the strand"),
-            number("tilt_deg", "Scale tilt", "deg", (-10.0, 10.0), &mut self.tilt_deg, &[], "Shifts the highlights: white to the root, coloured to the tip"),
-            number("ior", "Index of refraction", "", (1.1, 2.2), &mut self.index_of_refraction, &[], "1.55 for hair"),
-            number("variation", "Colour variation", "", (0.0, 1.0), &mut self.colour_variation, &[], "From strand to strand"),
-            number("tip_lightening", "Tip lightening", "", (0.0, 1.0), &mut self.tip_lightening, &[], "Share of the pigment that is gone at the tip"),
-        ] }
     }
 }
 

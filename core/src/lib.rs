@@ -24,6 +24,7 @@ pub mod light;
 pub mod lod;
 pub mod look;
 pub mod maps;
+pub mod material;
 pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;

@@ -24,7 +24,7 @@ use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
 use crate::resolve::{Downsample, ResolvePass};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
-use crate::shade::Shade;
+use crate::shade::{Shade, ShadeInput};
 use crate::shadow::{Shadow, ShadowInput};
 use crate::slot;
 use crate::view::View;
@@ -270,7 +270,15 @@ impl Renderer {
         let fallback = HairMaterial::default();
         let material_of =
             |layer: u32| groom.layers.get(layer as usize).map_or(&fallback, |layer: &Layer| &layer.material);
-        self.shade.prepare(gpu, library, strands, look, material_of, (&self.scene, scene_is_new), &self.shadow)?;
+        let shade_input = ShadeInput {
+            strands,
+            look,
+            scene: &self.scene,
+            scene_is_new,
+            shadow: &self.shadow,
+            waits: input.lod_scale >= 1.0,
+        };
+        self.shade.prepare(gpu, library, &shade_input, material_of)?;
         let fine_size = input.size.map(|side| side * supersampling);
         let fine_view = View::new(input.camera, fine_size);
         let raster_input =

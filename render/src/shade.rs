@@ -14,6 +14,7 @@ use wgpu::BufferUsages;
 
 use crate::mirror::StrandBuffers;
 use crate::scattering::Fibre;
+use crate::scattering::tables::{FibreTables, Recipe};
 use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
@@ -73,6 +74,20 @@ struct BoundTo {
     n_layers: usize,
 }
 
+/// What a frame shades.
+#[derive(Clone, Copy)]
+pub struct ShadeInput<'a> {
+    pub strands: &'a StrandBuffers,
+    pub look: &'a Look,
+    /// After [`SceneBuffers::update`], and what that returned.
+    pub scene: &'a SceneBuffers,
+    pub scene_is_new: bool,
+    /// After [`Shadow::prepare`].
+    pub shadow: &'a Shadow,
+    /// The picture is worth waiting for tables that a parameter's move made stale; see [`FibreTables::prepare`].
+    pub waits: bool,
+}
+
 /// The shading pass with its result.
 pub struct Shade {
     kernels: HashMap<Choices, Hot<Kernel>>,
@@ -80,6 +95,7 @@ pub struct Shade {
     /// What each drawn layer's fibres are made of, and room for how many layers.
     fibres: wgpu::Buffer,
     n_fibres: usize,
+    tables: FibreTables,
     layers: Vec<Bindings>,
     bound_to: Option<BoundTo>,
     generation: u64,
@@ -92,6 +108,7 @@ impl Shade {
             radiance: gpu.buffer("shade.radiance", 0, BufferUsages::STORAGE),
             fibres: gpu.buffer("shade.fibres", 0, BufferUsages::STORAGE),
             n_fibres: 0,
+            tables: FibreTables::new(gpu),
             layers: Vec::new(),
             bound_to: None,
             generation: 0,
@@ -104,9 +121,16 @@ impl Shade {
     }
 
     /// What a kernel that calls `shade_point` binds of the shading itself, by name: `fibres` holds the material of every
-    /// drawn layer, see `shade_layers.wgsl`.
+    /// drawn layer, see `shade_layers.wgsl`; the tables of scattering come along.
     pub fn resources(&self) -> Vec<(&'static str, wgpu::BindingResource<'_>)> {
-        vec![("fibres", self.fibres.as_entire_binding())]
+        let mut resources = vec![("fibres", self.fibres.as_entire_binding())];
+        resources.extend(self.tables.resources());
+        resources
+    }
+
+    /// How long the scattering tables in use took to bake; 0 where the model has none.
+    pub fn bake_time(&self) -> std::time::Duration {
+        self.tables.bake_time()
     }
 
     /// Changes when [`Shade::radiance`] or one of [`Shade::resources`] is another than before.
@@ -119,18 +143,15 @@ impl Shade {
         self.kernels.values().find_map(Hot::error)
     }
 
-    /// Make everything fit the frame, after [`Shadow::prepare`] and [`SceneBuffers::update`]; `scene_is_new` is what the
-    /// latter returned. `material_of` maps [`crate::mirror::DrawnLayer::material`] to a material.
+    /// Make everything fit the frame. `material_of` maps [`crate::mirror::DrawnLayer::material`] to a material.
     pub fn prepare<'m>(
         &mut self,
         gpu: &Gpu,
         library: &ShaderLibrary,
-        strands: &StrandBuffers,
-        look: &Look,
+        input: &ShadeInput<'_>,
         material_of: impl Fn(u32) -> &'m HairMaterial,
-        (scene, scene_is_new): (&SceneBuffers, bool),
-        shadow: &Shadow,
     ) -> Result<(), ShaderError> {
+        let &ShadeInput { strands, look, scene, scene_is_new, shadow, waits } = input;
         let choices = Choices::of(look);
         let make = |library: &ShaderLibrary| library.kernel(gpu, "shade", "shade", &[], &links(look));
         let mut is_stale = scene_is_new;
@@ -154,6 +175,14 @@ impl Shade {
             self.generation += 1;
             is_stale = true;
         }
+        let recipes: Vec<Recipe> =
+            strands.layers.iter().map(|layer| Recipe::of(material_of(layer.material), look)).collect();
+        let before = self.tables.generation();
+        self.tables.prepare(gpu, &recipes, waits);
+        if self.tables.generation() != before {
+            self.generation += 1;
+            is_stale = true;
+        }
         let bound_to = BoundTo {
             choices,
             strands_generation: strands.generation,
@@ -170,8 +199,8 @@ impl Shade {
                     ("vertices", strands.vertices.as_entire_binding()),
                     ("seeds", strands.seeds.as_entire_binding()),
                     ("radiance", self.radiance.as_entire_binding()),
-                    ("fibres", self.fibres.as_entire_binding()),
                 ];
+                resources.extend(self.resources());
                 resources.extend(scene.resources());
                 resources.extend(shadow.resources());
                 self.layers.push(kernel.bind_used(gpu, &resources)?);
@@ -181,8 +210,9 @@ impl Shade {
         let fibres: Vec<LayerFibre> = strands
             .layers
             .iter()
-            .map(|layer| LayerFibre {
-                fibre: Fibre::new(material_of(layer.material), look),
+            .enumerate()
+            .map(|(idx, layer)| LayerFibre {
+                fibre: Fibre { table: self.tables.layer_of(idx), ..Fibre::new(material_of(layer.material), look) },
                 first_vertex: layer.first_vertex,
                 first_strand: layer.first_strand,
                 n_strands: layer.n_strands,
@@ -249,7 +279,9 @@ mod tests {
         let mut scene = SceneBuffers::new(&gpu);
         let is_new = scene.update(&gpu, &SceneLights::new(lights), look, Vec3::new(0.0, 0.0, 100.0));
         let mut shade = Shade::new(&gpu);
-        shade.prepare(&gpu, &library, &strands, look, |_| material, (&scene, is_new), &shadow).unwrap();
+        let input =
+            ShadeInput { strands: &strands, look, scene: &scene, scene_is_new: is_new, shadow: &shadow, waits: true };
+        shade.prepare(&gpu, &library, &input, |_| material).unwrap();
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         shade.record(&mut encoder, &strands);
         gpu.queue.submit([encoder.finish()]);

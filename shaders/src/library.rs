@@ -53,6 +53,14 @@ impl ShaderLibrary {
         Self::new(State { sources: Arc::new(sources), generation: 0, folder: None, stamps: BTreeMap::new() })
     }
 
+    /// The same files as they are now and one more, for tests and tools.
+    #[must_use]
+    pub fn with_file(&self, stem: &str, text: &str) -> Self {
+        let mut sources = (*self.sources()).clone();
+        sources.insert(stem.to_owned(), Arc::from(text));
+        Self::new(State { sources: Arc::new(sources), generation: 0, folder: None, stamps: BTreeMap::new() })
+    }
+
     /// The files of a folder, read again by [`ShaderLibrary::poll`] when they change.
     pub fn watching(folder: &Path) -> Result<Self, ShaderError> {
         let (sources, stamps) = read_folder(folder)?;

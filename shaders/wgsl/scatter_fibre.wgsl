@@ -1,6 +1,7 @@
 // A hair material, and where light and eye are as a fibre sees them. Twin of render/src/scattering/{mod,fibre}.rs,
 // which say what everything means.
 #define_import_path lorelei::scatter_fibre
+#import lorelei::hash::{pcg}
 
 struct Fibre {
     sigma_a: vec3<f32>,
@@ -19,6 +20,19 @@ struct Fibre {
     kk_specular: f32,
     kk_exponent: f32,
     multiple_weight: f32,
+    baked_sigma_a: vec3<f32>,
+    table: u32,
+    offsets: vec4<f32>,
+    weight_rest: f32,
+    logistic: f32,
+    schlick: f32,
+    roughness_variation: f32,
+    dye_sigma_a: vec3<f32>,
+    dye: f32,
+    dye_from: f32,
+    dye_to: f32,
+    tilt_variation: f32,
+    pad: f32,
 }
 
 struct Directions {
@@ -54,13 +68,29 @@ fn directions(tangent: vec3<f32>, to_light: vec3<f32>, to_eye: vec3<f32>, h: f32
     return d;
 }
 
+fn quarters(bits: u32) -> vec4<f32> {
+    return vec4<f32>((vec4<u32>(bits) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u)) / 255.0;
+}
+
+// 0 before `first`, 1 from `last` on.
+fn ramp(first: f32, last: f32, t: f32) -> f32 {
+    if t >= last {
+        return 1.0;
+    }
+    return clamp((t - first) / max(last - first, 1e-3), 0.0, 1.0);
+}
+
 fn vary(base: Fibre, strand_seed: u32, t: f32) -> Fibre {
     var fibre = base;
-    let bytes = vec4<f32>((vec4<u32>(strand_seed) >> vec4<u32>(0u, 8u, 16u, 24u)) & vec4<u32>(255u)) / 255.0;
+    let bytes = quarters(strand_seed);
     let pigment = 2.45 * (bytes.x + bytes.y - 1.0);
     let scales = 2.45 * (bytes.z + bytes.w - 1.0);
-    fibre.sigma_a *= exp(base.colour_variation * pigment) * (1.0 - base.tip_lightening * t * t);
-    let shift = TILT_VARIATION * base.colour_variation * scales * base.beta.x;
+    let own = base.sigma_a * (exp(base.colour_variation * pigment) * (1.0 - base.tip_lightening * t * t));
+    fibre.sigma_a = mix(own, base.dye_sigma_a, base.dye * ramp(base.dye_from, base.dye_to, t));
+    let more = quarters(pcg(strand_seed));
+    fibre.beta *= exp(base.roughness_variation * 2.45 * (more.x + more.y - 1.0));
+    let more_tilt = base.tilt_variation * 2.45 * (more.z + more.w - 1.0);
+    let shift = TILT_VARIATION * base.colour_variation * scales * base.beta.x + more_tilt;
     fibre.alpha += vec3<f32>(1.0, -0.5, -1.5) * shift;
     return fibre;
 }
@@ -71,6 +101,22 @@ fn fresnel(eta: f32, cos_i: f32) -> f32 {
     let s = (c - eta * cos_t) / (c + eta * cos_t);
     let p = (eta * c - cos_t) / (eta * c + cos_t);
     return 0.5 * (s * s + p * p);
+}
+
+fn fresnel_schlick(eta: f32, cos_i: f32) -> f32 {
+    let root = (eta - 1.0) / (eta + 1.0);
+    let f0 = root * root;
+    let c = 1.0 - clamp(cos_i, 0.0, 1.0);
+    let c2 = c * c;
+    return f0 + (1.0 - f0) * (c2 * c2 * c);
+}
+
+// Reflectance by the look's choice.
+fn reflectance(fibre: Fibre, cos_i: f32) -> f32 {
+    if fibre.schlick > 0.5 {
+        return fresnel_schlick(fibre.eta, cos_i);
+    }
+    return fresnel(fibre.eta, cos_i);
 }
 
 // 002, eq. 4.3, per theta_r.

@@ -2,6 +2,7 @@
 //
 // Per vertex and not per pixel: a vertex is shaded once for all the pixels and lights that see it, and the
 // rasteriser interpolates. 002 and 000 (line 776) say that it does not show where vertices are close.
+#import lorelei::scatter_tables::{set_footprint}
 #import lorelei::shade_layers::{fibres}
 #import lorelei::shade_point::{NO_OFFSET, shade_point}
 #import lorelei::shade_lights::{scene}
@@ -33,6 +34,11 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
     let after = vertices[vertex + min(vertices_per_strand - 1u - along, 1u)].xyz;
     let along_strand = after - before;
     let tangent = along_strand * inverseSqrt(max(dot(along_strand, along_strand), 1e-12));
+
+    // What turns within a vertex' share of the strand is averaged: half of the angle between its two segments.
+    let turn = cross(position - before, after - position);
+    let lengths = length(position - before) * length(after - position);
+    set_footprint(0.5 * length(turn) / max(lengths, 1e-12));
 
     let t = f32(along) / f32(vertices_per_strand - 1u);
     let seed = seeds[fibres[layer].first_strand + strand];

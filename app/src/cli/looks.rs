@@ -2,8 +2,8 @@
 //! and style operators, which are no slots, are listed in the same shape: a layer as a slot with one choice,
 //! an operator as a slot that is on or off.
 
-use lorelei_core::groom::HairMaterial;
-use lorelei_core::look::{Look, Param, ParamValue, Slot};
+use lorelei_core::groom::{HairMaterial, HairPreset};
+use lorelei_core::look::{Choice, Look, Param, ParamValue, Slot};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_core::style::{StyleKind, StyleOp};
 use serde_json::{Value, json};
@@ -34,6 +34,10 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
     }
     for slot in &slots {
         print_line(&slot_text(slot))?;
+    }
+    print_line(&format!("{}  A hair colour by name, of every layer", set::PRESET_KEY))?;
+    for info in HairPreset::ALL.iter().map(|preset| preset.info()) {
+        print_line(&format!("   {}={}  {}", set::PRESET_KEY, info.name, info.help))?;
     }
     print_line("layer  Counts and widths of every layer")?;
     let mut layer = set::sample_layer();

@@ -3,13 +3,16 @@
 
 use std::sync::Arc;
 
-use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
+use lorelei_core::groom::{Groom, HairMaterial, HairPreset, Layer, Source};
 use lorelei_core::look::{Choice, Param, SetError, Slot, set};
 use lorelei_core::maps::MapKind;
 use lorelei_core::strands::Strands;
 use lorelei_core::style::{Profile, SHAPES, StyleKind, StyleOp};
 
 use super::CliError;
+
+/// Takes a hair colour by name.
+pub const PRESET_KEY: &str = "hair.preset";
 
 /// Split `KEY=VALUE`, for clap.
 pub fn parse_assignment(text: &str) -> Result<(String, String), String> {
@@ -27,6 +30,14 @@ pub fn apply(groom: &mut Groom, assignments: &[(String, String)]) -> Result<(), 
 
 fn apply_one(groom: &mut Groom, key: &str, value: &str) -> Result<(), SetError> {
     let head = key.split('.').next().unwrap_or_default();
+    if key == PRESET_KEY {
+        let preset = HairPreset::by_name(value).ok_or_else(|| {
+            let takes = HairPreset::ALL.iter().map(|preset| preset.info().name).collect::<Vec<_>>().join(", ");
+            SetError::BadValue { key: key.to_owned(), value: value.to_owned(), takes }
+        })?;
+        groom.layers.iter_mut().for_each(|layer| layer.material.take(preset));
+        return Ok(());
+    }
     if head == "hair" {
         // Checked even where there is no layer.
         set(&mut [HairMaterial::default().slot()], key, value)?;

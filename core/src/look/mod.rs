@@ -16,7 +16,9 @@ use serde::{Deserialize, Serialize};
 
 pub use drawing::{Antialiasing, DrawingParams, Primitive, ShadingRate, Transparency};
 pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
-pub use scattering::{Environment, KajiyaKayParams, MultipleScattering, Scattering};
+pub use scattering::{
+    Environment, Fresnel, KajiyaKayParams, Marschner2003Params, MultipleScattering, Offsets, Scattering,
+};
 pub use shadowing::{BeyondLast, LayerSpacing, ShadowParams, Shadowing};
 pub(crate) use slot::choices;
 pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot, Switch, set};
@@ -40,6 +42,11 @@ pub struct Look {
     pub weight_tt: f32,
     pub weight_trt: f32,
     pub kajiya_kay: KajiyaKayParams,
+    pub marschner_2003: Marschner2003Params,
+    /// Weight of what crosses the fibre three times or more, where the model has it.
+    pub rest_weight: f32,
+    pub fresnel: Fresnel,
+    pub offsets: Offsets,
     pub multiple_scattering: MultipleScattering,
     /// Scale of the multiple-scattering term.
     pub multiple_scattering_weight: f32,
@@ -89,6 +96,10 @@ impl Default for Look {
             weight_tt: 1.0,
             weight_trt: 1.0,
             kajiya_kay: KajiyaKayParams::default(),
+            marschner_2003: Marschner2003Params::default(),
+            rest_weight: 1.0,
+            fresnel: Fresnel::Exact,
+            offsets: Offsets::Fitted,
             multiple_scattering: MultipleScattering::FakeNormal,
             multiple_scattering_weight: 1.0,
             environment: Environment::Constant,
@@ -121,7 +132,14 @@ impl Look {
             drawing::antialiasing(&mut self.antialiasing),
             drawing::transparency(&mut self.transparency, &mut self.drawing),
             drawing::shading_rate(&mut self.shading_rate),
-            scattering::scattering(&mut self.scattering, &mut self.kajiya_kay),
+            scattering::scattering(
+                &mut self.scattering,
+                &mut self.kajiya_kay,
+                &mut self.marschner_2003,
+                &mut self.rest_weight,
+            ),
+            scattering::fresnel(&mut self.fresnel),
+            scattering::offsets(&mut self.offsets),
             scattering::lobe_r(&mut self.lobe_r, &mut self.weight_r),
             scattering::lobe_tt(&mut self.lobe_tt, &mut self.weight_tt),
             scattering::lobe_trt(&mut self.lobe_trt, &mut self.weight_trt),

@@ -5,10 +5,31 @@ use serde::{Deserialize, Serialize};
 use super::slot::{Choice, ChoiceInfo, Slot, Switch, choices, colour, number};
 
 choices! {
-    /// How a single fibre scatters light.
+    /// How a single fibre scatters light. The names in a document are the variants'.
     Scattering {
-        KajiyaKay = "kajiya-kay", "Kajiya-Kay", "Diffuse and Phong-like specular from the tangent (Kajiya and Kay 1989)";
-        Marschner = "marschner", "Marschner", "R, TT and TRT lobes in the real-time form of Karis and Tafuri";
+        KajiyaKay = "kajiya-kay", "Kajiya-Kay", "Diffuse and two highlights along the tangent, their power kept (after Kajiya and Kay 1989)";
+        KajiyaKay1989 = "kajiya-kay-1989", "Kajiya-Kay, as in 1989", "Diffuse by the angle to the tangent, one white highlight on the mirror cone";
+        KajiyaKayHalf = "kajiya-kay-half", "Kajiya-Kay, half vector", "The same with the highlight from the half vector, as in games";
+        Marschner = "marschner", "Marschner, closed form", "R, TT and TRT lobes in the real-time form of Karis and Tafuri";
+        Marschner2003 = "marschner-2003", "Marschner 2003", "Smooth cylinder with caustics, from tables that leave the colour out";
+        Marschner2003Nalu = "marschner-2003-nalu", "Marschner 2003, Nalu tables", "The same from two lookups with the colour inside, as in the Nalu demo of 2004";
+        Deon = "deon", "d'Eon 2011", "Rough cylinder that keeps energy, averaged over its width";
+        Chiang = "chiang", "Chiang 2016", "The film renderers' fibre: rough, keeps energy, and shows its width where it is shaded per pixel";
+    }
+}
+choices! {
+    /// Reflectance of a fibre's surface in the closed form of Marschner's lobes.
+    Fresnel {
+        Exact = "exact", "Exact", "Fresnel's equations, unpolarised";
+        Schlick = "schlick", "Schlick", "Schlick's approximation: a fifth brighter across a fibre";
+    }
+}
+choices! {
+    /// Where across the fibre the closed form of Marschner's lobes takes reflectance and path length.
+    Offsets {
+        Fitted = "fitted", "Fitted", "Offsets that give the exact averages over the fibre's width";
+        Tafuri = "tafuri", "Tafuri", "TT at the middle, TRT at sqrt(3)/2 (Tafuri 2019)";
+        Karis = "karis", "Karis", "TT where the light that leaves there came in, approximately; TRT at sqrt(3)/2 (Karis 2016)";
     }
 }
 choices! {
@@ -41,41 +62,74 @@ impl Default for KajiyaKayParams {
     }
 }
 
-pub(super) fn scattering<'a>(choice: &'a mut Scattering, kajiya_kay: &'a mut KajiyaKayParams) -> Slot<'a> {
+/// What Marschner et al. 2003 do about the caustics of TRT, where a smooth cylinder would be infinitely bright (their
+/// section 5.2.2 and table 1), and the flatness of the fibre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Marschner2003Params {
+    /// k_G.
+    pub glint: f32,
+    /// w_c.
+    pub glint_width_deg: f32,
+    /// Delta eta'.
+    pub glint_fade: f32,
+    /// Delta h_M.
+    pub glint_limit: f32,
+    /// Ratio of the cross-section's axes, a.
+    pub eccentricity: f32,
+}
+
+impl Default for Marschner2003Params {
+    fn default() -> Self {
+        Self { glint: 1.0, glint_width_deg: 15.0, glint_fade: 0.3, glint_limit: 0.5, eccentricity: 1.0 }
+    }
+}
+
+#[rustfmt::skip]
+pub(super) fn scattering<'a>(
+    choice: &'a mut Scattering,
+    kajiya_kay: &'a mut KajiyaKayParams,
+    marschner: &'a mut Marschner2003Params,
+    rest_weight: &'a mut f32,
+) -> Slot<'a> {
+    const KAJIYA_KAY: &[&str] = &["kajiya-kay", "kajiya-kay-1989", "kajiya-kay-half"];
+    const CYLINDER: &[&str] = &["marschner-2003", "marschner-2003-nalu"];
     Slot {
         key: "scattering",
         label: "Scattering",
         help: "How one fibre scatters light",
         choice,
         params: vec![
-            number(
-                "scattering.kk_diffuse",
-                "Diffuse",
-                "",
-                (0.0, 2.0),
-                &mut kajiya_kay.diffuse,
-                &["kajiya-kay"],
-                "Weight of the diffuse term",
-            ),
-            number(
-                "scattering.kk_specular",
-                "Specular",
-                "",
-                (0.0, 2.0),
-                &mut kajiya_kay.specular,
-                &["kajiya-kay"],
-                "Weight of the highlights",
-            ),
-            number(
-                "scattering.kk_exponent",
-                "Exponent",
-                "",
-                (1.0, 400.0),
-                &mut kajiya_kay.exponent,
-                &["kajiya-kay"],
-                "Sharpness of the highlights",
-            ),
+            number("scattering.kk_diffuse", "Diffuse", "", (0.0, 2.0), &mut kajiya_kay.diffuse, KAJIYA_KAY, "Weight of the diffuse term"),
+            number("scattering.kk_specular", "Specular", "", (0.0, 2.0), &mut kajiya_kay.specular, KAJIYA_KAY, "Weight of the highlights"),
+            number("scattering.kk_exponent", "Exponent", "", (1.0, 400.0), &mut kajiya_kay.exponent, KAJIYA_KAY, "Sharpness of the highlights"),
+            number("scattering.glint", "Glint", "", (0.0, 5.0), &mut marschner.glint, CYLINDER, "Strength of TRT's caustics: Marschner's k_G, 0.5 to 5"),
+            number("scattering.glint_width", "Glint width", "deg", (1.0, 40.0), &mut marschner.glint_width_deg, CYLINDER, "Width of TRT's caustics around the fibre: Marschner's w_c, 10 to 25"),
+            number("scattering.glint_fade", "Glint fade", "", (0.01, 1.0), &mut marschner.glint_fade, CYLINDER, "Range of the index of refraction over which merged caustics fade: Marschner's Delta eta', 0.2 to 0.4"),
+            number("scattering.glint_limit", "Glint limit", "radii", (0.01, 2.0), &mut marschner.glint_limit, CYLINDER, "Most of the width that a caustic gathers: Marschner's Delta h_M, 0.5"),
+            number("scattering.eccentricity", "Flatness", "", (0.7, 1.4), &mut marschner.eccentricity, CYLINDER, "Ratio of the cross-section's axes: 1 is round, 0.85 is common; fibres are turned every way"),
+            number("scattering.rest", "Beyond TRT", "", (0.0, 4.0), rest_weight, &["deon", "chiang"], "Weight of light that crosses the fibre three times or more: 0 leaves it out, 1 is physical"),
         ],
+    }
+}
+
+pub(super) fn fresnel(choice: &mut Fresnel) -> Slot<'_> {
+    Slot {
+        key: "fresnel",
+        label: "Reflectance",
+        help: "Reflectance of the fibre's surface in the closed form of Marschner's lobes",
+        choice,
+        params: vec![],
+    }
+}
+
+pub(super) fn offsets(choice: &mut Offsets) -> Slot<'_> {
+    Slot {
+        key: "offsets",
+        label: "Offsets",
+        help: "Where across the fibre the closed form of Marschner's lobes takes reflectance and path length",
+        choice,
+        params: vec![],
     }
 }
 

@@ -4,7 +4,11 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lorelei_core::groom::HairMaterial;
-use lorelei_core::look::{Look, Switch};
+use lorelei_core::hash;
+use lorelei_core::look::{Fresnel, Look, Offsets, Switch};
+
+use super::cylinder;
+use super::marschner::{H_CHORD_TRT, H_CHORD_TT, H_FRESNEL_TRT, H_FRESNEL_TT};
 
 /// Twin of `Fibre` in `scatter_fibre.wgsl`.
 #[repr(C)]
@@ -38,6 +42,30 @@ pub struct Fibre {
     pub kk_specular: f32,
     pub kk_exponent: f32,
     pub multiple_weight: f32,
+    /// Absorption that went into the table, where one has the colour inside.
+    pub baked_sigma_a: [f32; 3],
+    /// First layer of this material's tables.
+    pub table: u32,
+    /// Offsets of the closed form: TT's reflectance and chord, TRT's. TT's reflectance below 0: Karis' approximation.
+    pub offsets: [f32; 4],
+    /// Weight of what crosses three times or more.
+    pub weight_rest: f32,
+    /// Scale of Chiang's azimuthal logistic distribution.
+    pub logistic: f32,
+    /// 1 where the closed form takes Schlick's reflectance, else 0.
+    pub schlick: f32,
+    /// Deviation of the logarithm of the longitudinal roughness, from strand to strand.
+    pub roughness_variation: f32,
+    /// The dye's absorption per fibre radius.
+    pub dye_sigma_a: [f32; 3],
+    /// Share of the own absorption that it takes the place of.
+    pub dye: f32,
+    /// Shares of the strand's length where the dye begins and where it is full.
+    pub dye_from: f32,
+    pub dye_to: f32,
+    /// Deviation of the scales' tilt from strand to strand, radians, beside what follows the colour's.
+    pub tilt_variation: f32,
+    pub pad: f32,
 }
 
 impl Fibre {
@@ -71,6 +99,28 @@ impl Fibre {
             kk_specular: look.kajiya_kay.specular,
             kk_exponent: look.kajiya_kay.exponent,
             multiple_weight: look.multiple_scattering_weight,
+            baked_sigma_a: material.sigma_a().to_array(),
+            table: 0,
+            offsets: match look.offsets {
+                Offsets::Fitted => [H_FRESNEL_TT, H_CHORD_TT, H_FRESNEL_TRT, H_CHORD_TRT],
+                // 002, eq. 4.19, 4.24 and 4.25.
+                Offsets::Tafuri => [0.0, 0.0, 0.866_025_4, 0.866_025_4],
+                // 002, eq. 4.16.
+                Offsets::Karis => [-1.0, -1.0, 0.866_025_4, 0.866_025_4],
+            },
+            weight_rest: look.rest_weight,
+            logistic: cylinder::logistic_scale(material.beta_n),
+            schlick: match look.fresnel {
+                Fresnel::Exact => 0.0,
+                Fresnel::Schlick => 1.0,
+            },
+            roughness_variation: material.roughness_variation,
+            dye_sigma_a: material.dye_sigma_a().to_array(),
+            dye: material.dye,
+            dye_from: material.dye_from,
+            dye_to: material.dye_to,
+            tilt_variation: material.tilt_variation_deg.to_radians(),
+            pad: 0.0,
         }
     }
 
@@ -84,11 +134,22 @@ impl Fibre {
         let pigment = 2.45 * (bytes[0] + bytes[1] - 1.0);
         let scales = 2.45 * (bytes[2] + bytes[3] - 1.0);
         let absorption = (self.colour_variation * pigment).exp() * (1.0 - self.tip_lightening * t * t);
-        fibre.sigma_a = (Vec3::from_array(self.sigma_a) * absorption).to_array();
-        let shift = TILT_VARIATION * self.colour_variation * scales * self.beta[0];
+        let dyed = self.dye * ramp(self.dye_from, self.dye_to, t);
+        let own = Vec3::from_array(self.sigma_a) * absorption;
+        fibre.sigma_a = own.lerp(Vec3::from_array(self.dye_sigma_a), dyed).to_array();
+        let more = hash::pcg(strand_seed).to_le_bytes().map(|byte| f32::from(byte) / 255.0);
+        let rougher = (self.roughness_variation * 2.45 * (more[0] + more[1] - 1.0)).exp();
+        fibre.beta = self.beta.map(|beta| beta * rougher);
+        let more_tilt = self.tilt_variation * 2.45 * (more[2] + more[3] - 1.0);
+        let shift = TILT_VARIATION * self.colour_variation * scales * self.beta[0] + more_tilt;
         fibre.alpha = [self.alpha[0] + shift, self.alpha[1] - 0.5 * shift, self.alpha[2] - 1.5 * shift];
         fibre
     }
+}
+
+/// 0 before `from`, 1 from `to` on.
+fn ramp(from: f32, to: f32, t: f32) -> f32 {
+    if t >= to { 1.0 } else { ((t - from) / (to - from).max(1e-3)).clamp(0.0, 1.0) }
 }
 
 /// Spread of the scale tilt at colour variation 1, in units of beta. Looked at: 2 at the default variation of 0.15
@@ -168,10 +229,15 @@ fn share_behind(kappa: f32) -> f32 {
     carried / (0..n).map(density).sum::<f32>() / std::f32::consts::PI
 }
 
+/// Schlick's approximation of [`fresnel`], as 002 has it: averaged over the fibre's width at eta = 1.55 it is a fifth too
+/// bright (0.091 against 0.075), and all of R is this number.
+pub fn fresnel_schlick(eta: f32, cos_i: f32) -> f32 {
+    let f0 = (eta - 1.0) / (eta + 1.0);
+    let f0 = f0 * f0;
+    f0 + (1.0 - f0) * (1.0 - cos_i.clamp(0.0, 1.0)).powi(5)
+}
+
 /// Fresnel reflectance of a dielectric, unpolarised.
-///
-/// 002 uses Schlick's approximation; averaged over the fibre's width at eta = 1.55 it is a fifth too bright (0.091
-/// against 0.075), and all of R is this number.
 pub fn fresnel(eta: f32, cos_i: f32) -> f32 {
     let c = cos_i.clamp(0.0, 1.0);
     let cos_t = (1.0 - (1.0 - c * c) / (eta * eta)).max(0.0).sqrt();
@@ -196,6 +262,40 @@ mod tests {
             assert!(now.0 <= last.0 && now.1 <= last.1, "{step}: {now:?} after {last:?}");
             last = now;
         }
+    }
+
+    #[test]
+    fn dye_takes_the_place_of_the_own_colour_where_it_is() {
+        let mut material = HairMaterial { colour_variation: 0.0, tip_lightening: 0.0, ..HairMaterial::default() };
+        (material.dye, material.dye_from, material.dye_to) = (1.0, 0.2, 0.6);
+        let fibre = Fibre::new(&material, &Look::default());
+        assert_eq!(fibre.vary(7, 0.1).sigma_a, fibre.sigma_a);
+        assert_eq!(fibre.vary(7, 0.6).sigma_a, fibre.dye_sigma_a);
+        let between = fibre.vary(7, 0.4).sigma_a[0];
+        assert!((between - 0.5 * (fibre.sigma_a[0] + fibre.dye_sigma_a[0])).abs() < 1e-5);
+        // Without a ramp the whole strand is dyed.
+        let whole = Fibre { dye_from: 0.0, dye_to: 0.0, ..fibre };
+        assert_eq!(whole.vary(7, 0.0).sigma_a, whole.dye_sigma_a);
+    }
+
+    #[test]
+    fn strands_differ_by_as_much_as_is_asked() {
+        let material = HairMaterial {
+            roughness_variation: 0.2,
+            tilt_variation_deg: 4.0,
+            colour_variation: 0.0,
+            ..HairMaterial::default()
+        };
+        let fibre = Fibre::new(&material, &Look::default());
+        let n = 4000u32;
+        let strands: Vec<Fibre> = (0..n).map(|i| fibre.vary(hash::pcg(i), 0.0)).collect();
+        let deviation = |of: &dyn Fn(&Fibre) -> f32| {
+            let mean = strands.iter().map(of).sum::<f32>() / n as f32;
+            (strands.iter().map(|strand| (of(strand) - mean).powi(2)).sum::<f32>() / n as f32).sqrt()
+        };
+        assert!((deviation(&|strand| (strand.beta[0] / fibre.beta[0]).ln()) - 0.2).abs() < 0.02);
+        assert!((deviation(&|strand| strand.alpha[0].to_degrees()) - 4.0).abs() < 0.4);
+        assert!(strands.iter().all(|strand| strand.sigma_a == fibre.sigma_a));
     }
 
     #[test]

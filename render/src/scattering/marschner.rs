@@ -14,7 +14,7 @@
 
 use glam::Vec3;
 
-use super::fibre::{Fibre, fresnel};
+use super::fibre::{Fibre, fresnel, fresnel_schlick};
 use super::{Directions, volume};
 
 /// Offsets at which TT's and TRT's Fresnel and chord are taken: least squares over theta_d 0-75 degrees and sigma_a
@@ -41,16 +41,41 @@ fn specular_cone(d: &Directions) -> f32 {
 }
 
 /// 002, eq. 4.3, per theta_r.
-fn gaussian(sigma: f32, x: f32) -> f32 {
+pub(super) fn gaussian(sigma: f32, x: f32) -> f32 {
     let q = x / sigma;
     0.199_471_14 / sigma * (-0.5 * q * q).exp()
+}
+
+/// Reflectance by the look's choice.
+fn reflectance(fibre: &Fibre, cos_i: f32) -> f32 {
+    if fibre.schlick > 0.5 { fresnel_schlick(fibre.eta, cos_i) } else { fresnel(fibre.eta, cos_i) }
+}
+
+/// The offsets at which TT's reflectance and chord are taken.
+fn offsets_tt(fibre: &Fibre, d: &Directions) -> [f32; 2] {
+    if fibre.offsets[0] >= 0.0 {
+        return [fibre.offsets[0], fibre.offsets[1]];
+    }
+    // Karis 2016; 002, eq. 4.16: h = (1 + a (0.6 - 0.8 cos(phi))) cos(phi / 2), a = 1 / eta'. (The printed eq. 4.15, which
+    // it approximates, is h squared; see the test.)
+    let sin2_theta_d = 1.0 - d.cos_theta_d * d.cos_theta_d;
+    let a = d.cos_theta_d / (fibre.eta * fibre.eta - sin2_theta_d).sqrt();
+    let h = ((1.0 + a * (0.6 - 0.8 * d.cos_phi)) * (0.5 + 0.5 * d.cos_phi).max(0.0).sqrt()).min(1.0);
+    [h, h]
+}
+
+/// (1 - F)^2 F^(p - 1) T^p at the offsets where reflectance and chord are taken. 002, eq. 4.7; departures above.
+fn attenuation(fibre: &Fibre, cos_theta_d: f32, p: i32, [h_fresnel, h_chord]: [f32; 2]) -> Vec3 {
+    let f = reflectance(fibre, cos_theta_d * (1.0 - h_fresnel * h_fresnel).max(0.0).sqrt());
+    let chords = 2.0 * p as f32 * volume::chord(fibre.eta, cos_theta_d, h_chord);
+    (1.0 - f) * (1.0 - f) * f.powi(p - 1) * (Vec3::from_array(fibre.sigma_a) * -chords).exp()
 }
 
 /// R: off the cuticle. 002, eq. 4.12.
 pub fn lobe_r(fibre: &Fibre, d: &Directions) -> Vec3 {
     let cos_half_phi = (0.5 + 0.5 * d.cos_phi).max(0.0).sqrt();
     let light_dot_eye = d.cos_theta_i * d.cos_theta_r * d.cos_phi + d.sin_theta_i * d.sin_theta_r;
-    let f = fresnel(fibre.eta, (0.5 + 0.5 * light_dot_eye).max(0.0).sqrt());
+    let f = reflectance(fibre, (0.5 + 0.5 * light_dot_eye).max(0.0).sqrt());
     let n_r = 0.25 * cos_half_phi * f;
     Vec3::splat(fibre.weight[0] * gaussian(fibre.beta[0], d.theta_h - fibre.alpha[0]) * n_r)
 }
@@ -61,7 +86,7 @@ pub fn lobe_tt(fibre: &Fibre, d: &Directions) -> Vec3 {
     fibre.weight[1]
         * gaussian(fibre.beta[1], d.theta_h - fibre.alpha[1])
         * d_tt
-        * volume::attenuation_tt(fibre, d.cos_theta_d)
+        * attenuation(fibre, d.cos_theta_d, 1, offsets_tt(fibre, d))
 }
 
 /// TRT: off the inside of the far wall. 002, eq. 4.28.
@@ -70,7 +95,7 @@ pub fn lobe_trt(fibre: &Fibre, d: &Directions) -> Vec3 {
     fibre.weight[2]
         * gaussian(fibre.beta[2], d.theta_h - fibre.alpha[2])
         * d_trt
-        * volume::attenuation_trt(fibre, d.cos_theta_d)
+        * attenuation(fibre, d.cos_theta_d, 2, [fibre.offsets[2], fibre.offsets[3]])
 }
 
 #[cfg(test)]

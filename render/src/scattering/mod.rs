@@ -14,16 +14,30 @@
 //!
 //! Every function has a twin of the same name in `shaders/wgsl/scatter_*.wgsl`; the parity test is at the end.
 //! - [`fibre`]: the material as the formulas want it, made once a frame on the CPU;
-//! - [`marschner`]: R, TT, TRT; [`kajiya_kay`]: diffuse and two highlights;
+//! - [`marschner`]: R, TT, TRT in closed form; [`marschner_2003`]: the smooth cylinder with its caustics;
+//! - [`deon`], [`chiang`]: rough cylinders that keep energy; [`longitudinal`]: their M, [`azimuthal`]: their N;
+//! - [`kajiya_kay`]: diffuse and two highlights; [`kajiya_kay_1989`]: as printed, and with the half vector;
+//! - [`cylinder`]: what a ray does in a fibre; [`table`], [`tables`]: what is baked, on the CPU and on the GPU;
 //! - [`volume`]: two-stream theory of many fibres: colour of thick hair and how light decays in it;
 //! - [`multiple`]: the fake normal.
 
+pub mod azimuthal;
+pub mod chiang;
+pub mod cylinder;
+pub mod deon;
 pub mod fibre;
 pub mod kajiya_kay;
+pub mod kajiya_kay_1989;
+#[cfg(test)]
+mod laws;
+pub mod longitudinal;
 pub mod marschner;
+pub mod marschner_2003;
 pub mod multiple;
 #[cfg(test)]
 mod parity;
+pub mod table;
+pub mod tables;
 pub mod volume;
 
 use glam::Vec3;

@@ -27,7 +27,7 @@ pub fn attenuation_trt(fibre: &Fibre, cos_theta_d: f32) -> Vec3 {
 
 /// Half of one crossing in fibre radii: cos(gamma_t) / cos(theta_t), with the virtual index of refraction eta' of
 /// Marschner et al. 2003 across the fibre and Snell's law along it.
-fn chord(eta: f32, cos_theta_d: f32, h: f32) -> f32 {
+pub(super) fn chord(eta: f32, cos_theta_d: f32, h: f32) -> f32 {
     let sin2_theta_d = 1.0 - cos_theta_d * cos_theta_d;
     let cos_theta_t = (1.0 - sin2_theta_d / (eta * eta)).sqrt();
     let eta_prime = (eta * eta - sin2_theta_d).sqrt() / cos_theta_d;

@@ -9,7 +9,13 @@ pub fn scattering(choice: Scattering) -> Link<'static> {
         "scattering",
         match choice {
             Scattering::KajiyaKay => "scatter_kajiya_kay",
+            Scattering::KajiyaKay1989 => "scatter_kajiya_kay_1989",
+            Scattering::KajiyaKayHalf => "scatter_kajiya_kay_half",
             Scattering::Marschner => "scatter_marschner",
+            Scattering::Marschner2003 => "scatter_marschner_2003",
+            Scattering::Marschner2003Nalu => "scatter_marschner_2003_nalu",
+            Scattering::Deon => "scatter_deon",
+            Scattering::Chiang => "scatter_chiang",
         },
     )
 }

@@ -2,9 +2,10 @@
 
 use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
-use lorelei_core::groom::{Groom, HairMaterial, Head, Layer, Source};
+use lorelei_core::groom::{Groom, HairMaterial, HairPreset, Head, Layer, Source};
 use lorelei_core::history::Merge;
 use lorelei_core::layers::Companion;
+use lorelei_core::look::Choice;
 use lorelei_core::look::ParamValue;
 
 use super::widgets::{self, Change, section, thousands};
@@ -137,25 +138,14 @@ fn described(source: &Source) -> String {
     }
 }
 
-/// Hair colours by name; concentrations after the ranges of d'Eon et al. 2011.
-const COLOURS: [(&str, f32, f32); 6] = [
-    ("Black", 8.0, 0.2),
-    ("Brown", 1.3, 0.2),
-    ("Light brown", 0.7, 0.2),
-    ("Red", 0.35, 1.5),
-    ("Blond", 0.25, 0.2),
-    ("White", 0.01, 0.01),
-];
-
 fn presets(ui: &mut Ui, material: &mut HairMaterial) -> Option<Change> {
     let mut change = None;
     ui.horizontal_wrapped(|ui| {
-        for (name, eumelanin, pheomelanin) in COLOURS {
-            let help = format!("Eumelanin {eumelanin}, pheomelanin {pheomelanin}");
-            if ui.small_button(name).on_hover_text(help).clicked() {
-                material.pigment = lorelei_core::groom::Pigment::Melanin;
-                (material.eumelanin, material.pheomelanin) = (eumelanin, pheomelanin);
-                change = Some(Change::once(format!("{name} hair")));
+        for &preset in HairPreset::ALL {
+            let info = preset.info();
+            if ui.small_button(info.label).on_hover_text(info.help).clicked() {
+                material.take(preset);
+                change = Some(Change::once(format!("{} hair", info.label)));
             }
         }
     });
