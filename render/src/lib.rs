@@ -12,6 +12,7 @@ pub mod mirror;
 pub mod overlay;
 mod profile;
 mod raster;
+pub mod reference;
 mod renderer;
 mod resolve;
 pub mod sample;

@@ -63,6 +63,8 @@ pub struct FrameStatistics {
     pub n_vertices: u32,
     /// GPU memory of buffers and textures that this renderer holds, bytes.
     pub n_bytes: u64,
+    /// That of them which turns strands into pixels as the look has it.
+    pub n_drawing_bytes: u64,
 }
 
 /// What strands are made from: while it is the same they are not made again.
@@ -89,7 +91,7 @@ struct ShadowKey {
 
 /// Renders one groom on one GPU.
 pub struct Renderer {
-    gpu: Gpu,
+    pub(crate) gpu: Gpu,
     library: ShaderLibrary,
     groom: Option<Groom>,
     /// Times that strands or the head changed.
@@ -115,7 +117,7 @@ pub struct Renderer {
     eye: Option<Vec3>,
     profile: Profile,
     view: wgpu::Buffer,
-    targets: Targets,
+    pub(crate) targets: Targets,
 }
 
 impl Renderer {
@@ -380,11 +382,11 @@ impl Renderer {
             size: fine_size,
         };
         targets.clear_hair(encoder);
-        let drawn = way(look.transparency, look.antialiasing, &look.drawing);
-        if !matches!(drawn, Way::Passes(_)) {
+        let drawn = drawn_as(look);
+        if !matches!(drawn.0, Way::Passes(_)) {
             self.fragments.release();
         }
-        match (drawn, look.primitive) {
+        match drawn {
             (Way::InOrder, Primitive::Compute) => {
                 profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder, strands))?;
                 self.raster.record_tiles(gpu, library, encoder, &fragments, profile)?;
@@ -446,7 +448,7 @@ impl Renderer {
         Ok(Pixels { size: [picture.width(), picture.height()], rgba })
     }
 
-    fn read_texture(&self, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, GpuError> {
+    pub(crate) fn read_texture(&self, texture: &wgpu::Texture, bytes_per_pixel: u32) -> Result<Vec<u8>, GpuError> {
         let (width, height) = (texture.width(), texture.height());
         let row = width * bytes_per_pixel;
         let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -522,7 +524,15 @@ impl Renderer {
         let [width, height] = self.targets.size.map(u64::from);
         // Four samples of normals (8 bytes) and depth (4), and one of each resolved texture (8 + 8 + 4 + 8 + 4).
         let targets = width * height * (4 * 12 + 32);
+        let n_fine = u64::from(self.targets.supersampling).pow(2);
+        let n_drawing_bytes = if n_fine > 1 { width * height * 8 * n_fine } else { 0 }
+            + match self.groom.as_ref().map(|groom| drawn_as(&groom.look)) {
+                Some((Way::InOrder, Primitive::Compute)) | None => self.raster.n_bytes(),
+                Some((Way::InOrder | Way::Blended, _)) => self.blended.n_bytes(),
+                Some((Way::Passes(_), _)) => self.fragments.n_bytes(),
+            };
         FrameStatistics {
+            n_drawing_bytes,
             n_strands: strands.layers.iter().map(|layer| layer.n_strands).sum(),
             n_vertices: strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum(),
             n_bytes: targets
@@ -544,8 +554,7 @@ impl Renderer {
     /// Entries of the last submitted frame's tile lists and how many there is room for. Where the first is larger, the
     /// picture lacks what did not fit. Waits for the GPU.
     pub fn n_tile_entries(&self) -> Result<(u64, u64), GpuError> {
-        let drawn = |look: &Look| (way(look.transparency, look.antialiasing, &look.drawing), look.primitive);
-        match self.groom.as_ref().map(|groom| drawn(&groom.look)) {
+        match self.groom.as_ref().map(|groom| drawn_as(&groom.look)) {
             Some((Way::InOrder, Primitive::Compute)) => self.raster.n_entries(&self.gpu),
             _ => Ok((0, 0)),
         }
@@ -570,6 +579,11 @@ impl Renderer {
             .or(self.resolve.shader_error())
             .or(self.false_colours.shader_error())
     }
+}
+
+/// How a look turns strands into pixels.
+fn drawn_as(look: &Look) -> (Way, Primitive) {
+    (way(look.transparency, look.antialiasing, &look.drawing), look.primitive)
 }
 
 /// Whether two layers are drawn differently.

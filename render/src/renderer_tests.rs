@@ -1,6 +1,6 @@
 //! The whole frame against the exact picture, and what must not go wrong around it.
 
-use glam::{Affine3A, Vec3, Vec4};
+use glam::{Affine3A, Vec3};
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::lod::LodChoice;
@@ -10,7 +10,6 @@ use lorelei_core::look::{
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
 use super::{FrameInput, Pixels, RenderError, Renderer, Threads};
-use crate::exact::{Backdrop, ExactStrands, composite};
 use crate::sample::sample_groom;
 
 const SIZE: [u32; 2] = [256, 256];
@@ -43,45 +42,14 @@ fn renderer_with(gpu: &Gpu, groom: &Groom, threads: Threads) -> Renderer {
     renderer
 }
 
-fn halves(bytes: &[u8]) -> Vec<[f64; 4]> {
-    let half = |b: &[u8]| half::f16::from_le_bytes([b[0], b[1]]).to_f64();
-    bytes.chunks_exact(8).map(|p| [half(p), half(&p[2..]), half(&p[4..]), half(&p[6..])]).collect()
-}
-
 /// The hair of the last frame, premultiplied.
 fn hair(renderer: &Renderer) -> Vec<[f64; 4]> {
-    halves(&renderer.read_texture(renderer.targets.hair.texture(), 8).unwrap())
+    renderer.read_hair().unwrap()
 }
 
 /// The same hair by the exact reference, from the vertices and radiances that the GPU drew.
 fn exact_hair(renderer: &Renderer, camera: &Camera) -> Vec<[f64; 4]> {
-    let strands = renderer.generator.strands();
-    let vertices: Vec<Vec4> = renderer.gpu.read_buffer(&strands.vertices).unwrap();
-    let packed: Vec<[u16; 4]> = renderer.gpu.read_buffer(renderer.shade.radiance()).unwrap();
-    let radiance: Vec<[f32; 4]> =
-        packed.iter().map(|vertex| vertex.map(|bits| half::f16::from_bits(bits).to_f32())).collect();
-    let layers: Vec<ExactStrands<'_>> = (strands.layers.iter())
-        .map(|layer| {
-            let from = layer.first_vertex as usize;
-            let range = from..from + (layer.n_strands * layer.vertices_per_strand) as usize;
-            ExactStrands {
-                vertices: &vertices[range.clone()],
-                vertices_per_strand: layer.vertices_per_strand as usize,
-                radiance: &radiance[range],
-            }
-        })
-        .collect();
-    let depth: Vec<f32> =
-        bytemuck::pod_collect_to_vec(&renderer.read_texture(renderer.targets.head_depth.texture(), 4).unwrap());
-    let head = halves(&renderer.read_texture(renderer.targets.head_colour.texture(), 8).unwrap());
-    let coverage: Vec<f32> = head.iter().map(|pixel| pixel[3] as f32).collect();
-    composite(
-        &layers,
-        camera.view_from_world(),
-        camera.clip_from_view(SIZE[0] as f32 / SIZE[1] as f32),
-        SIZE,
-        Backdrop { depth: &depth, coverage: &coverage },
-    )
+    renderer.exact_hair(camera).unwrap()
 }
 
 /// Root mean square difference over all channels, and sums of alpha.

@@ -22,26 +22,32 @@ use serde_json::{Value, json};
 
 use super::{CliError, print_line};
 
+mod page;
 mod paint;
 mod shadowing;
+mod transparency;
 
 #[derive(Debug, clap::Args)]
 pub struct MeasureArguments {
     /// What to measure.
     #[arg(value_enum)]
     what: What,
-    /// As JSON: an array of objects, of `grooming` {what, n, ms, note}.
+    /// As JSON: an array of objects, of `grooming` {what, n, ms, note}; of `transparency` one object {adapter, size,
+    /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = shadowing::PAGE)]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "")]
     pub(super) write: Option<std::path::PathBuf>,
-    /// Strands of each groom. Of `shadowing`.
-    #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
-    pub(super) strands: u32,
+    /// Strands of each groom. Of `shadowing` (20,000 without it) and `transparency` (as many as the groom has).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
+    pub(super) strands: Option<u32>,
     /// Only this technique, by its name in `lorelei looks`. Of `shadowing`.
     #[arg(long, value_name = "NAME")]
     pub(super) only: Option<String>,
+    /// Side of the picture in pixels. Of `transparency`.
+    #[arg(long, value_name = "N", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub(super) size: u32,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -50,6 +56,8 @@ enum What {
     Grooming,
     /// Transmittance of every shadow technique against the exact one, GPU times and bytes.
     Shadowing,
+    /// Every transparency and antialiasing against the exact picture, GPU times and bytes.
+    Transparency,
 }
 
 /// One line of the table.
@@ -67,6 +75,7 @@ pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     let lines = match arguments.what {
         What::Grooming => grooming()?,
         What::Shadowing => return shadowing::run(arguments),
+        What::Transparency => return transparency::run(arguments),
     };
     if arguments.json {
         let all: Vec<Value> = lines

@@ -134,7 +134,7 @@ fn parse_lod(text: &str) -> Result<LodChoice, String> {
 
 /// Share `n_strands` out over the visible layers in proportion to what they have. Imported strands are as
 /// many as they are: of them fewer are drawn by the level of detail.
-fn set_strand_count(groom: &mut Groom, n_strands: u32) {
+pub(super) fn set_strand_count(groom: &mut Groom, n_strands: u32) {
     let n_now = groom.n_strands().max(1) as f64;
     let share = f64::from(n_strands) / n_now;
     let are_fixed = groom.layers.iter().all(|layer| matches!(layer.source, Source::Strands(_)));

@@ -18,9 +18,9 @@ use crate::cli::{CliError, print_line};
 use crate::stage::shader_library;
 
 /// The page of the project that the table stands in.
-pub(super) const PAGE: &str = "docs/looks/shadowing-table.md";
-const BEGIN: &str = "<!-- measured: begin -->";
-const END: &str = "<!-- measured: end -->";
+const PAGE: &str = "docs/looks/shadowing-table.md";
+/// Of each groom, unless another number is asked for.
+const N_STRANDS: u32 = 20_000;
 
 const N_PROBES: usize = 20_000;
 const N_ROUNDS: usize = 5;
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     if cases.is_empty() {
         return Err(CliError::Failed("there is no technique of that name; `lorelei looks` lists them".to_owned()));
     }
-    let places = places(&gpu, &library, arguments.strands)?;
+    let places = places(&gpu, &library, arguments.strands.unwrap_or(N_STRANDS))?;
     let mut rows: Vec<(Case, Vec<ShadowScore>)> = Vec::new();
     for case in cases {
         let mut scores = Vec::new();
@@ -64,11 +64,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     }
     let table = table(&gpu, &rows, &places);
     if let Some(path) = &arguments.write {
-        let page =
-            std::fs::read_to_string(path).map_err(|why| CliError::Failed(format!("{}: {why}", path.display())))?;
-        let page = put_between(&page, &table)
-            .ok_or_else(|| CliError::Failed(format!("{} has no lines {BEGIN} and {END}", path.display())))?;
-        write_atomically(path, |file| file.write_all(page.as_bytes())).map_err(CliError::failed)?;
+        page::write(path, PAGE, &table)?;
     } else if !arguments.json {
         print_line(&table)?;
     }
@@ -237,24 +233,9 @@ fn table(gpu: &Gpu, rows: &[(Case, Vec<ShadowScore>)], places: &[Place]) -> Stri
     text
 }
 
-/// The page with what stands between the marks replaced.
-fn put_between(page: &str, table: &str) -> Option<String> {
-    let (before, rest) = page.split_once(BEGIN)?;
-    let (_, after) = rest.split_once(END)?;
-    Some(format!("{before}{BEGIN}\n{table}\n{END}{after}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_table_takes_the_place_of_the_old_one_and_the_page_stays() {
-        let page = format!("# Title\n{BEGIN}\nold\n{END}\nwhat it means\n");
-        let new = put_between(&page, "new").unwrap();
-        assert_eq!(new, format!("# Title\n{BEGIN}\nnew\n{END}\nwhat it means\n"));
-        assert_eq!(put_between("no marks", "new"), None);
-    }
 
     #[test]
     fn every_technique_is_measured() {
