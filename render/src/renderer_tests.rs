@@ -239,6 +239,46 @@ fn the_better_the_antialiasing_the_nearer_the_exact_picture() {
 }
 
 #[test]
+fn the_compute_rasteriser_is_as_supersampled_ribbons_at_any_width() {
+    /// Pixels drawn for one, along a side.
+    const N: usize = 8;
+    const SIDE: usize = 96;
+    let gpu = Gpu::headless().unwrap();
+    let camera = camera();
+    for (n_strands, radius_um) in [(4_000, 40.0), (2_000, 200.0), (300, 1_500.0)] {
+        let mut groom = sample_groom(n_strands, 12);
+        groom.layers[0].radius_um = radius_um;
+        for threads in every_threads(&gpu) {
+            let mut renderer = renderer_with(&gpu, &groom, threads);
+            let mut picture = |side: usize, groom: &Groom| {
+                renderer.set_groom(groom).unwrap();
+                renderer.render_pixels(&FrameInput { size: [side as u32; 2], ..input(&camera) }).unwrap();
+                hair(&renderer)
+            };
+            groom.look.primitive = Primitive::Compute;
+            groom.look.antialiasing = Antialiasing::Analytic;
+            let compute = picture(SIDE, &groom);
+            // Strips that cover a sample or do not, blended in order.
+            groom.look.primitive = Primitive::Ribbons;
+            groom.look.antialiasing = Antialiasing::None;
+            let fine = picture(SIDE * N, &groom);
+            let mut mean = vec![[0.0; 4]; SIDE * SIDE];
+            for (at, pixel) in fine.iter().enumerate() {
+                let (x, y) = (at % (SIDE * N) / N, at / (SIDE * N) / N);
+                for channel in 0..4 {
+                    mean[y * SIDE + x][channel] += pixel[channel] / (N * N) as f64;
+                }
+            }
+            let (rmse, coverage) = difference(&compute, &mean);
+            println!("{radius_um} um, {threads:?}: rmse {rmse:.4}, coverage {coverage:.3}");
+            // 64 samples of a strand are off by their noise; strands side by side in a pixel are taken to lie over each
+            // other by chance.
+            assert!(rmse < 0.03 && (coverage - 1.0).abs() < 0.03, "{radius_um} um, {threads:?}: {rmse}, {coverage}");
+        }
+    }
+}
+
+#[test]
 fn shading_a_fragment_is_shading_between_its_vertices_where_these_are_close() {
     let gpu = Gpu::headless().unwrap();
     let camera = camera();

@@ -69,6 +69,14 @@ fn depth_of(nearness: u32) -> f32 {
     return bitcast<f32>(~nearness);
 }
 
+// The same fragment may come out a little nearer or farther in another pass, whose code is compiled on its own: so many
+// units in the last place (a tenth of a micrometre at a metre) are the same depth.
+const SAME: u32 = 4u;
+
+fn is_same(a: u32, b: u32) -> bool {
+    return max(a, b) - min(a, b) <= SAME;
+}
+
 // Three numbers with nine bits each and an exponent for all: EXT_texture_shared_exponent.
 fn pack_colour(colour: vec3<f32>) -> u32 {
     let clamped = clamp(colour, vec3<f32>(0.0), vec3<f32>(65408.0));

@@ -1,7 +1,7 @@
 // Slot `sink`: fragments of the tail, weighted by what the slabs in front of them let through.
 // slot: sink
 #define_import_path lorelei::fragments_k_tail
-#import lorelei::fragment::{Fragment, band, nearness_of, depth_of, fixed, fixed_colour, unfixed}
+#import lorelei::fragment::{Fragment, band, nearness_of, depth_of, SAME, fixed, fixed_colour, unfixed}
 #import lorelei::slabs::{N_SLABS, slab_place}
 
 @group(0) @binding(auto) var<storage, read> nearest: array<u32>;
@@ -11,7 +11,7 @@
 
 fn sink(fragment: Fragment) {
     let last = nearest[fragment.place * band.n_nearest + band.n_nearest - 1u];
-    if nearness_of(fragment.depth) >= last {
+    if nearness_of(fragment.depth) + SAME >= last {
         return;
     }
     let place = slab_place(fragment.depth - depth_of(last));
@@ -21,7 +21,9 @@ fn sink(fragment: Fragment) {
         before += unfixed(slabs[fragment.place * N_SLABS + k]);
     }
     before += fract(place) * unfixed(slabs[fragment.place * N_SLABS + own]);
-    let weight = fragment.alpha * exp(-before);
+    // Weights are compared with each other alone: sixteen times as many units, and never none where a slab is so dense
+    // that its own front hides all of it.
+    let weight = 16.0 * fragment.alpha * max(exp(-before), 1e-5);
     let colour = fixed_colour(weight, fragment.colour);
     let at = 4u * fragment.place;
     atomicAdd(&sums[at], colour.x);

@@ -1,4 +1,4 @@
-// Slot `keep`: opaque in as many of four samples as alpha asks for, always the same ones: a screen door. 000, line 560.
+// Slot `keep`: opaque in as many of four samples as alpha asks for, always the same ones: a screen door. 000, line 565.
 // slot: keep
 #define_import_path lorelei::keep_alpha_to_coverage
 #import lorelei::fragment::{Fragment}

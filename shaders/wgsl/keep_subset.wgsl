@@ -1,4 +1,4 @@
-// Slot `keep`: a strand is opaque, in the one of three samples that its third of all strands owns. 000, line 660.
+// Slot `keep`: a strand is opaque, in the one of three samples that its third of all strands owns. 000, line 646.
 // slot: keep
 #define_import_path lorelei::keep_subset
 #import lorelei::fragment::{Fragment}

@@ -5,7 +5,7 @@
 // of tiles, and a frame has few barriers.
 #import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::tile::{TILE, N_PIXELS}
-#import lorelei::raster_buckets::{N_BUCKETS, bucket_of, bucket_end}
+#import lorelei::raster_buckets::{N_BUCKETS, bucket_place}
 #import lorelei::coverage::{Strip, strip_of, strip_coverage, is_inside}
 #import lorelei::cover::{N_SAMPLES, sample_offset, settled}
 #import lorelei::radiance::{fibre_radiance}
@@ -94,14 +94,15 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
                 open = select(1.0, surface.y, depth > surface.x);
             }
             if coverage * open > 0.0 {
-                let bucket = clamp(bucket_of(depth - front), first_bucket, first_bucket + N_OPEN - 1u);
-                blend_add(scale, bucket, at, coverage, open, depth, fibre.xyz);
+                let along_buckets = bucket_place(depth - front);
+                let bucket = clamp(u32(along_buckets), first_bucket, first_bucket + N_OPEN - 1u);
+                blend_add(scale, bucket, at, coverage, open, saturate(along_buckets - f32(bucket)), fibre.xyz);
             }
         }
     }
 }
 
-@compute @workgroup_size(16, 16)
+@compute @workgroup_size(8, 8)
 fn fine(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
@@ -150,7 +151,7 @@ fn fine(
             walk(entries[k], local_idx % N_PARTS, scale, bucket, front, tile_origin);
         }
         workgroupBarrier();
-        blend_close(&blend, scale, bucket, local_idx, front + bucket_end(bucket + N_STEP - 1u));
+        blend_close(&blend, scale, bucket, local_idx);
         if is_open && (blend_is_done(blend) || !is_inside) {
             is_open = false;
             atomicAnd(&open_pixels[local.x], ~(1u << local.y));

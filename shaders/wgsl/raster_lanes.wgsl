@@ -73,7 +73,7 @@ fn segment_at(vertex: u32, tile_origin: vec2<f32>, is_there: bool) -> Segment {
     return segment;
 }
 
-fn fragment(before: Blend, segment: Segment, end: f32, along: f32, across: f32, surface: vec2<f32>) -> Blend {
+fn fragment(before: Blend, segment: Segment, range: vec3<f32>, along: f32, across: f32, surface: vec2<f32>) -> Blend {
     let t = saturate(along * segment.across.w);
     let width_depth = segment.width_depth.xy + t * segment.width_depth.zw;
 #ifdef WIDE
@@ -84,32 +84,32 @@ fn fragment(before: Blend, segment: Segment, end: f32, along: f32, across: f32, 
     let ends = saturate(along + 0.5) - saturate(along + 0.5 - segment.along.w);
     let fibre = segment.fibre + t * segment.fibre_step;
     let open = select(1.0, surface.y, width_depth.y > surface.x);
-    return blend_add(before, area * ends * fibre.w * segment.shape.w, open, width_depth.y, width_depth.y > end, fibre.xyz);
+    return blend_add(before, area * ends * fibre.w * segment.shape.w, open, width_depth.y, range, fibre.xyz);
 }
 
-fn draw(rows: ptr<function, Rows>, surfaces: Surfaces, column: f32, end: f32, segment: Segment) {
+fn draw(rows: ptr<function, Rows>, surfaces: Surfaces, column: f32, range: vec3<f32>, segment: Segment) {
     let along = segment.along.x + column * segment.along.y;
     let across = segment.across.x + column * segment.across.y;
-    (*rows).r0 = fragment((*rows).r0, segment, end, along + 0.5 * segment.along.z, across + 0.5 * segment.across.z, surfaces.s0);
-    (*rows).r1 = fragment((*rows).r1, segment, end, along + 1.5 * segment.along.z, across + 1.5 * segment.across.z, surfaces.s1);
-    (*rows).r2 = fragment((*rows).r2, segment, end, along + 2.5 * segment.along.z, across + 2.5 * segment.across.z, surfaces.s2);
-    (*rows).r3 = fragment((*rows).r3, segment, end, along + 3.5 * segment.along.z, across + 3.5 * segment.across.z, surfaces.s3);
-    (*rows).r4 = fragment((*rows).r4, segment, end, along + 4.5 * segment.along.z, across + 4.5 * segment.across.z, surfaces.s4);
-    (*rows).r5 = fragment((*rows).r5, segment, end, along + 5.5 * segment.along.z, across + 5.5 * segment.across.z, surfaces.s5);
-    (*rows).r6 = fragment((*rows).r6, segment, end, along + 6.5 * segment.along.z, across + 6.5 * segment.across.z, surfaces.s6);
-    (*rows).r7 = fragment((*rows).r7, segment, end, along + 7.5 * segment.along.z, across + 7.5 * segment.across.z, surfaces.s7);
+    (*rows).r0 = fragment((*rows).r0, segment, range, along + 0.5 * segment.along.z, across + 0.5 * segment.across.z, surfaces.s0);
+    (*rows).r1 = fragment((*rows).r1, segment, range, along + 1.5 * segment.along.z, across + 1.5 * segment.across.z, surfaces.s1);
+    (*rows).r2 = fragment((*rows).r2, segment, range, along + 2.5 * segment.along.z, across + 2.5 * segment.across.z, surfaces.s2);
+    (*rows).r3 = fragment((*rows).r3, segment, range, along + 3.5 * segment.along.z, across + 3.5 * segment.across.z, surfaces.s3);
+    (*rows).r4 = fragment((*rows).r4, segment, range, along + 4.5 * segment.along.z, across + 4.5 * segment.across.z, surfaces.s4);
+    (*rows).r5 = fragment((*rows).r5, segment, range, along + 5.5 * segment.along.z, across + 5.5 * segment.across.z, surfaces.s5);
+    (*rows).r6 = fragment((*rows).r6, segment, range, along + 6.5 * segment.along.z, across + 6.5 * segment.across.z, surfaces.s6);
+    (*rows).r7 = fragment((*rows).r7, segment, range, along + 7.5 * segment.along.z, across + 7.5 * segment.across.z, surfaces.s7);
 }
 
-// Composite the open bucket, which ends at `end`.
-fn close(rows: ptr<function, Rows>, end: f32) -> bool {
-    (*rows).r0 = blend_close((*rows).r0, end);
-    (*rows).r1 = blend_close((*rows).r1, end);
-    (*rows).r2 = blend_close((*rows).r2, end);
-    (*rows).r3 = blend_close((*rows).r3, end);
-    (*rows).r4 = blend_close((*rows).r4, end);
-    (*rows).r5 = blend_close((*rows).r5, end);
-    (*rows).r6 = blend_close((*rows).r6, end);
-    (*rows).r7 = blend_close((*rows).r7, end);
+// Composite the open bucket.
+fn close(rows: ptr<function, Rows>) -> bool {
+    (*rows).r0 = blend_close((*rows).r0);
+    (*rows).r1 = blend_close((*rows).r1);
+    (*rows).r2 = blend_close((*rows).r2);
+    (*rows).r3 = blend_close((*rows).r3);
+    (*rows).r4 = blend_close((*rows).r4);
+    (*rows).r5 = blend_close((*rows).r5);
+    (*rows).r6 = blend_close((*rows).r6);
+    (*rows).r7 = blend_close((*rows).r7);
     return blend_is_done((*rows).r0)
         && blend_is_done((*rows).r1)
         && blend_is_done((*rows).r2)
@@ -156,7 +156,9 @@ fn fine(
     for (var first = tile.start; first < end;) {
         let bucket = entries[first] >> ENTRY_BITS;
         let last = bucket_ends[tile_idx * N_BUCKETS + bucket];
-        let end_depth = fronts[tile_idx] + bucket_end(bucket);
+        // The first bucket has no beginning, the last no end.
+        let ends = vec2<f32>(bucket_end(max(bucket, 1u) - 1u), min(bucket_end(bucket), 1e6));
+        let range = vec3<f32>(fronts[tile_idx] + ends, 1.0 / max(ends.y - ends.x, 1e-3));
         for (; first < last; first += 8u) {
             let at = first + lane;
             let mine = segment_at(entries[min(at, last - 1u)] & VERTEX, tile_origin, at < last);
@@ -167,63 +169,63 @@ fn fine(
             segment.shape = subgroupBroadcast(mine.shape, 0u);
             segment.fibre = subgroupBroadcast(mine.fibre, 0u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 0u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 1u);
             segment.across = subgroupBroadcast(mine.across, 1u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 1u);
             segment.shape = subgroupBroadcast(mine.shape, 1u);
             segment.fibre = subgroupBroadcast(mine.fibre, 1u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 1u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 2u);
             segment.across = subgroupBroadcast(mine.across, 2u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 2u);
             segment.shape = subgroupBroadcast(mine.shape, 2u);
             segment.fibre = subgroupBroadcast(mine.fibre, 2u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 2u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 3u);
             segment.across = subgroupBroadcast(mine.across, 3u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 3u);
             segment.shape = subgroupBroadcast(mine.shape, 3u);
             segment.fibre = subgroupBroadcast(mine.fibre, 3u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 3u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 4u);
             segment.across = subgroupBroadcast(mine.across, 4u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 4u);
             segment.shape = subgroupBroadcast(mine.shape, 4u);
             segment.fibre = subgroupBroadcast(mine.fibre, 4u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 4u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 5u);
             segment.across = subgroupBroadcast(mine.across, 5u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 5u);
             segment.shape = subgroupBroadcast(mine.shape, 5u);
             segment.fibre = subgroupBroadcast(mine.fibre, 5u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 5u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 6u);
             segment.across = subgroupBroadcast(mine.across, 6u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 6u);
             segment.shape = subgroupBroadcast(mine.shape, 6u);
             segment.fibre = subgroupBroadcast(mine.fibre, 6u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 6u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
             segment.along = subgroupBroadcast(mine.along, 7u);
             segment.across = subgroupBroadcast(mine.across, 7u);
             segment.width_depth = subgroupBroadcast(mine.width_depth, 7u);
             segment.shape = subgroupBroadcast(mine.shape, 7u);
             segment.fibre = subgroupBroadcast(mine.fibre, 7u);
             segment.fibre_step = subgroupBroadcast(mine.fibre_step, 7u);
-            draw(&rows, surfaces, column, end_depth, segment);
+            draw(&rows, surfaces, column, range, segment);
         }
         first = last;
-        if subgroupAll(close(&rows, end_depth) || pixel.x >= raster.view.size.x) {
+        if subgroupAll(close(&rows) || pixel.x >= raster.view.size.x) {
             break;
         }
     }
-    close(&rows, 1e30);
+    close(&rows);
     if all(pixel + vec2<u32>(0u, 0u) < raster.view.size) {
         textureStore(hair, pixel + vec2<u32>(0u, 0u), blend_colour(rows.r0));
     }

@@ -2,11 +2,10 @@
 #define_import_path lorelei::slabs
 
 const N_SLABS: u32 = 8u;
-// Centimetres; a slab is so much thicker than the one before it.
-const THINNEST: f32 = 0.04;
+// Thickness of the first, centimetres; each is twice as thick as the one before, so that all of them span a head.
+const THINNEST: f32 = 0.06;
 
-// Slabs from the tail's beginning: the k-th ends at THINNEST k (k + 1) / 2, the last never.
+// Slabs from the tail's beginning. The last never ends: in the middle of it is whatever lies behind.
 fn slab_place(behind: f32) -> f32 {
-    let x = 2.0 * max(behind, 0.0) / THINNEST;
-    return min(0.5 * (sqrt(1.0 + 4.0 * x) - 1.0), f32(N_SLABS) - 1e-3);
+    return min(log2(1.0 + max(behind, 0.0) / THINNEST), f32(N_SLABS) - 0.5);
 }

@@ -25,7 +25,7 @@ impl Threads {
     /// Side of a tile in pixels.
     pub fn tile_side(self) -> u32 {
         match self {
-            Self::Segments => 16,
+            Self::Segments => 8,
             Self::Lanes => 8,
         }
     }
@@ -35,7 +35,7 @@ impl Threads {
         Link::Slot(
             "tile",
             match self {
-                Self::Segments => "tile_16",
+                Self::Segments => "tile_8",
                 Self::Lanes => "tile_8",
             },
         )
