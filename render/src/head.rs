@@ -12,7 +12,6 @@ use wgpu::BufferUsages;
 
 use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
 use crate::overlay::{Overlay, OverlayTexture};
-use crate::raster::Threads;
 use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
@@ -42,7 +41,7 @@ struct Mesh {
 /// The head pass.
 pub(crate) struct HeadPass {
     draw: Hot<Draw>,
-    shade: HashMap<(Shadowing, Threads), Hot<Kernel>>,
+    shade: HashMap<Shadowing, Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
     overlay: OverlayTexture,
@@ -59,8 +58,6 @@ pub(crate) struct HeadInput<'a> {
     pub tile_backs: &'a wgpu::Buffer,
     /// Pixels of the rasteriser for one of the head, along a side.
     pub supersampling: u32,
-    /// The rasteriser's tiles.
-    pub threads: Threads,
     pub targets: &'a Targets,
     pub scene: &'a SceneBuffers,
     pub shadow: &'a Shadow,
@@ -112,17 +109,13 @@ impl HeadPass {
         encoder: &mut wgpu::CommandEncoder,
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
-        let (shadowing, threads) = (input.look.shadowing, input.threads);
-        let key = (shadowing, threads);
-        let make_shade = |library: &ShaderLibrary| {
-            let mut links = slot::shadowing(shadowing);
-            links.push(threads.tile_slot());
-            library.kernel(gpu, "head_shade", "shade_head", &[], &links)
-        };
-        if let Some(kernel) = self.shade.get_mut(&key) {
+        let shadowing = input.look.shadowing;
+        let make_shade =
+            |library: &ShaderLibrary| library.kernel(gpu, "head_shade", "shade_head", &[], &slot::shadowing(shadowing));
+        if let Some(kernel) = self.shade.get_mut(&shadowing) {
             kernel.refresh(library, make_shade);
         } else {
-            self.shade.insert(key, Hot::new(library, make_shade)?);
+            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
         }
         self.draw.refresh(library, |library| make_draw(gpu, library));
         let uniform = HeadLook {
@@ -174,7 +167,7 @@ impl HeadPass {
             }
         }
         encoder.clear_buffer(input.tile_backs, 0, None);
-        let kernel = &self.shade[&key];
+        let kernel = &self.shade[&shadowing];
         let mut resources = vec![
             ("view", input.view.as_entire_binding()),
             ("head_look", self.look.as_entire_binding()),

@@ -136,7 +136,7 @@ impl Renderer {
             shadow: Shadow::new(gpu),
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
-            raster: Raster::new(gpu, &library, threads)?,
+            raster: Raster::new(gpu, &library)?,
             threads,
             blended: Blended::new(gpu, &library)?,
             fragments: Fragments::new(gpu, &library)?,
@@ -245,10 +245,6 @@ impl Renderer {
         if (self.targets.size, self.targets.supersampling) != (input.size, supersampling) {
             self.targets = Targets::new(gpu, input.size, supersampling)?;
         }
-        let threads = self.threads.for_look(look);
-        if self.raster.threads() != threads {
-            self.raster = Raster::new(gpu, library, threads)?;
-        }
         let view = View::new(input.camera, input.size);
         self.eye = Some(input.camera.eye());
         gpu.queue.write_buffer(&self.view, 0, bytemuck::bytes_of(&view));
@@ -283,8 +279,13 @@ impl Renderer {
         self.shade.prepare(gpu, library, &shade_input, material_of)?;
         let fine_size = input.size.map(|side| side * supersampling);
         let fine_view = View::new(input.camera, fine_size);
-        let raster_input =
-            RasterInput { view: fine_view, ball: self.ball, exposure: look.exposure.exp2(), supersampling };
+        let raster_input = RasterInput {
+            view: fine_view,
+            ball: self.ball,
+            exposure: look.exposure.exp2(),
+            supersampling,
+            threads: self.threads.for_look(look),
+        };
         self.raster.prepare(gpu, library, strands, &raster_input)?;
 
         let hair_key = HairKey {
@@ -347,7 +348,6 @@ impl Renderer {
                 view: &self.view,
                 tile_backs: &self.raster.segments.tile_backs,
                 supersampling,
-                threads,
                 targets: &self.targets,
                 scene: &self.scene,
                 shadow: &self.shadow,

@@ -22,25 +22,6 @@ impl Threads {
         if info.device_type == wgpu::DeviceType::Cpu && has_lanes { Self::Lanes } else { Self::Segments }
     }
 
-    /// Side of a tile in pixels.
-    pub fn tile_side(self) -> u32 {
-        match self {
-            Self::Segments => 8,
-            Self::Lanes => 8,
-        }
-    }
-
-    /// Twin of [`Threads::tile_side`], for every shader that knows of tiles.
-    pub fn tile_slot(self) -> Link<'static> {
-        Link::Slot(
-            "tile",
-            match self {
-                Self::Segments => "tile_8",
-                Self::Lanes => "tile_8",
-            },
-        )
-    }
-
     /// What can draw a look: lanes know strands shaded at their vertices and exact areas alone.
     pub fn for_look(self, look: &Look) -> Self {
         let is_plain = match look.antialiasing {
@@ -60,7 +41,7 @@ impl Threads {
 
     /// What is linked into it; `is_wide` only matters to lanes.
     pub fn fine_links(self, look: &Look, is_wide: bool) -> Vec<Link<'static>> {
-        let mut links = vec![self.tile_slot()];
+        let mut links = Vec::new();
         match self {
             Self::Segments => {
                 links.push(slot::antialiasing(look.antialiasing));
@@ -83,15 +64,15 @@ pub(super) struct Kernels {
 }
 
 impl Kernels {
-    pub fn new(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Self, ShaderError> {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         let kernel = |file, entry, links: &[Link<'_>]| library.kernel(gpu, file, entry, &[], links);
         Ok(Self {
-            gather: kernel("raster_front", "gather", &[threads.tile_slot()])?,
-            find: kernel("raster_front", "find", &[threads.tile_slot(), Link::Def("FIND")])?,
-            count: kernel("raster_bin", "bin", &[threads.tile_slot()])?,
-            scatter: kernel("raster_bin", "bin", &[threads.tile_slot(), Link::Def("SCATTER")])?,
-            allocate: kernel("raster_alloc", "allocate", &[threads.tile_slot()])?,
-            plan: kernel("raster_alloc", "plan", &[threads.tile_slot()])?,
+            gather: kernel("raster_front", "gather", &[])?,
+            find: kernel("raster_front", "find", &[Link::Def("FIND")])?,
+            count: kernel("raster_bin", "bin", &[])?,
+            scatter: kernel("raster_bin", "bin", &[Link::Def("SCATTER")])?,
+            allocate: kernel("raster_alloc", "allocate", &[])?,
+            plan: kernel("raster_alloc", "plan", &[])?,
         })
     }
 }

@@ -34,6 +34,8 @@ use crate::view::View;
 use kernels::Kernels;
 pub(crate) use kernels::Threads;
 
+/// Side of a tile in pixels: twin of tile.wgsl.
+const TILE: u32 = 8;
 /// Twins of `N_BUCKETS` and `N_BINS`.
 const N_BUCKETS: u64 = 32;
 const N_BINS: u64 = 128;
@@ -118,6 +120,7 @@ pub(crate) struct RasterInput {
     pub exposure: f32,
     /// Pixels of `view` for one of the head, along a side.
     pub supersampling: u32,
+    pub threads: Threads,
 }
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
@@ -134,11 +137,11 @@ pub struct TooManyVertices {
 }
 
 impl Raster {
-    pub fn new(gpu: &Gpu, library: &ShaderLibrary, threads: Threads) -> Result<Self, ShaderError> {
+    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         let storage = |label| gpu.buffer(label, 0, STORAGE);
         Ok(Self {
-            threads,
-            kernels: Hot::new(library, |library| Kernels::new(gpu, library, threads))?,
+            threads: Threads::Segments,
+            kernels: Hot::new(library, |library| Kernels::new(gpu, library))?,
             fine: HashMap::new(),
             segments: Segments {
                 frame: gpu.buffer("raster.frame", size_of::<FrameUniform>() as u64, BufferUsages::UNIFORM),
@@ -163,10 +166,6 @@ impl Raster {
             n_tiles: [0; 2],
             is_wide: false,
         })
-    }
-
-    pub fn threads(&self) -> Threads {
-        self.threads
     }
 
     pub fn shader_error(&self) -> Option<&ShaderError> {
@@ -210,8 +209,8 @@ impl Raster {
         strands: &StrandBuffers,
         input: &RasterInput,
     ) -> Result<(), crate::RenderError> {
-        let threads = self.threads;
-        self.kernels.refresh(library, |library| Kernels::new(gpu, library, threads));
+        self.threads = input.threads;
+        self.kernels.refresh(library, |library| Kernels::new(gpu, library));
         let n_items: u32 = strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum();
         let n_vertices = strands.n_vertices;
         let available = gpu.max_storage_binding();
@@ -223,7 +222,7 @@ impl Raster {
         }
         let view = input.view;
         let [width, height] = view.size;
-        let n_tiles = [width.div_ceil(self.threads.tile_side()), height.div_ceil(self.threads.tile_side())];
+        let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
         let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
         let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
             .max(MIN_ENTRIES)
