@@ -2,18 +2,16 @@
 //! behind stray strands: error against the exact transmittance, GPU times, bytes.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use glam::Vec3;
 use lorelei_core::groom::Groom;
-use lorelei_core::io::write_atomically;
 use lorelei_core::light::{Light, LightKind};
 use lorelei_core::look::{BeyondLast, Choice, LayerSpacing, ShadowParams, Shadowing};
 use lorelei_render::shadow::measure::{FOOTPRINT_CM, ShadowScene, ShadowScore};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use serde_json::{Value, json};
 
-use super::MeasureArguments;
+use super::{MeasureArguments, page};
 use crate::cli::{CliError, print_line};
 use crate::stage::shader_library;
 
