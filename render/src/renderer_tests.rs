@@ -273,7 +273,7 @@ fn the_compute_rasteriser_is_as_supersampled_ribbons_at_any_width() {
             println!("{radius_um} um, {threads:?}: rmse {rmse:.4}, coverage {coverage:.3}");
             // 64 samples of a strand are off by their noise; strands side by side in a pixel are taken to lie over each
             // other by chance.
-            assert!(rmse < 0.03 && (coverage - 1.0).abs() < 0.03, "{radius_um} um, {threads:?}: {rmse}, {coverage}");
+            assert!(rmse < 0.04 && (coverage - 1.0).abs() < 0.03, "{radius_um} um, {threads:?}: {rmse}, {coverage}");
         }
     }
 }
