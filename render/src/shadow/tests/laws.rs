@@ -65,6 +65,7 @@ fn errors(points: &[Vec3], light: &Light, shadowing: Shadowing) -> [f64; 2] {
 #[test]
 fn every_technique_errs_no_more_than_it_must() {
     let points = cluster(1500);
+    let mut wrong = Vec::new();
     for light in [key(), lamp()] {
         for shadowing in techniques() {
             let [error, bias] = errors(&points, &light, shadowing);
@@ -79,10 +80,12 @@ fn every_technique_errs_no_more_than_it_must() {
                 Shadowing::DeepOpacity => (0.045, 0.02),
                 Shadowing::Voxels => (0.05, 0.015),
             };
-            assert!(error < most, "{shadowing:?}: mean error {error}");
-            assert!(bias.abs() < most_bias, "{shadowing:?}: bias {bias}");
+            if !(error < most && bias.abs() < most_bias) {
+                wrong.push(format!("{shadowing:?}: mean error {error}, bias {bias}"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// Sheets of parallel strands across z, each covering `covered` of what is behind it, 0.1 cm apart from z = 2 down.
@@ -109,6 +112,7 @@ fn a_slab_holds_back_what_its_area_says() {
     let at: Vec<Vec3> = (depths.iter())
         .flat_map(|&depth| (0..16).map(move |k| Vec3::new(0.13 * k as f32 - 1.0, 1.0 - 0.11 * k as f32, 2.05 - depth)))
         .collect();
+    let mut wrong = Vec::new();
     for shadowing in techniques() {
         let answers = look_up(&points, &at, front.clone(), shadowing, &params(), None);
         for (depth, answers) in depths.iter().zip(answers.chunks(16)) {
@@ -138,9 +142,12 @@ fn a_slab_holds_back_what_its_area_says() {
                 | Shadowing::Occupancy
                 | Shadowing::DeepShadow => 0.05,
             };
-            assert!((left - exact).abs() < tolerance, "{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}");
+            if (left - exact).abs() >= tolerance {
+                wrong.push(format!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}"));
+            }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
@@ -156,6 +163,7 @@ fn nowhere_does_a_place_farther_from_the_light_get_more_of_it() {
             (0..n).map(move |k| from + (0.075 * k as f32 - 4.4) * away)
         })
         .collect();
+    let mut wrong = Vec::new();
     for shadowing in techniques() {
         let answers = look_up(&points, &at, light.clone(), shadowing, &params(), None);
         for ray in answers.chunks(n) {
@@ -174,10 +182,13 @@ fn nowhere_does_a_place_farther_from_the_light_get_more_of_it() {
                     | Shadowing::Occupancy
                     | Shadowing::DeepShadow => 1e-4,
                 };
-                assert!(left[1] <= left[0] + tolerance, "{shadowing:?}: {left:?}");
+                if left[1] > left[0] + tolerance {
+                    wrong.push(format!("{shadowing:?}: {left:?}"));
+                }
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
