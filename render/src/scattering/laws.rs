@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 use lorelei_core::groom::HairMaterial;
-use lorelei_core::look::{Look, Scattering};
+use lorelei_core::look::{Choice, Look, Scattering};
 
+use super::parity::on_cpu;
 use super::table::Table;
 use super::tables::{Baked, Recipe};
 use super::{Directions, Fibre};
@@ -58,4 +59,40 @@ pub fn furnace(theta_r: f32, beta_m_deg: f32, h: f32, scatter: impl Fn(&Directio
         total += ring * solid_angle;
     }
     total
+}
+
+#[test]
+fn every_model_is_smooth_in_every_parameter() {
+    type Parameter = (&'static str, [f32; 3], f32, fn(&mut HairMaterial, f32));
+    // Name, values, a small step, and how it is set.
+    let parameters: [Parameter; 6] = [
+        ("beta_m", [2.0, 7.5, 39.9], 0.02, |m, v| m.beta_m_deg = v),
+        ("tilt", [-10.0, 0.0, 9.0], 0.01, |m, v| m.tilt_deg = v),
+        ("eumelanin", [0.0, 0.3, 9.9], 0.005, |m, v| m.eumelanin = v),
+        ("index", [1.15, 1.5, 2.15], 0.002, |m, v| m.index_of_refraction = v),
+        ("beta_n", [0.05, 0.3, 0.95], 0.001, |m, v| m.beta_n = v),
+        ("pheomelanin", [0.0, 0.3, 9.9], 0.005, |m, v| m.pheomelanin = v),
+    ];
+    let places =
+        [(0.0, 3.0, 10.0), (30.0, -28.0, 70.0), (-50.0, 45.0, 178.0), (70.0, -20.0, 120.0), (20.0, -24.0, 40.0)];
+    for &scattering in Scattering::ALL {
+        let look = Look { scattering, ..Look::default() };
+        for (name, values, step, set) in parameters {
+            for value in values {
+                let at_value = |value: f32| {
+                    let mut material = HairMaterial::default();
+                    set(&mut material, value);
+                    let (fibre, baked) = (Fibre::new(&material, &look), Baked::new(&Recipe::of(&material, &look)));
+                    places.map(|(theta_i, theta_r, phi)| on_cpu(scattering, &baked, &fibre, &at(theta_i, theta_r, phi)))
+                };
+                for (place, (here, there)) in places.iter().zip(at_value(value).into_iter().zip(at_value(value + step)))
+                {
+                    let case = format!("{scattering:?}, {name} {value} at {place:?}: {here} {there}");
+                    assert!(here.is_finite() && here.min_element() >= 0.0, "{case}");
+                    // 1e-3: a hundredth of what a card of 30 % shows.
+                    assert!((here - there).abs().max_element() < 0.05 * here.max_element() + 1e-3, "{case}");
+                }
+            }
+        }
+    }
 }

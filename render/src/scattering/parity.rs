@@ -93,7 +93,7 @@ fn cases(n: usize, look: &Look, material: &HairMaterial, same_table: bool) -> Ve
 }
 
 /// What the CPU says of a scattering model.
-fn on_cpu(scattering: Scattering, baked: &Baked, fibre: &Fibre, d: &Directions) -> Vec3 {
+pub(super) fn on_cpu(scattering: Scattering, baked: &Baked, fibre: &Fibre, d: &Directions) -> Vec3 {
     match scattering {
         Scattering::KajiyaKay => kajiya_kay::scatter(fibre, d),
         Scattering::KajiyaKay1989 => kajiya_kay_1989::scatter(fibre, d),
