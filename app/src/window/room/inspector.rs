@@ -36,6 +36,7 @@ pub fn ui(ui: &Ui, desk: &mut Desk, rect: Rect, response: &Response) {
     if corner.x + size.x > rect.right() {
         corner.x = pointer.x - 18.0 - size.x;
     }
+    corner.x = corner.x.max(rect.left() + 4.0);
     corner.y = corner.y.min(rect.bottom() - size.y - 4.0).max(rect.top() + 4.0);
     let place = Rect::from_min_size(corner, size);
     mark(ui.ctx(), || "inspector".to_owned(), place);
@@ -83,7 +84,7 @@ fn lines(inspection: &Inspection, layers: &[String]) -> Vec<Line> {
     for (name, radiance) in &strand.terms {
         line(name, rgb(*radiance), false);
     }
-    line("Lamps", "depth  past head".to_owned(), true);
+    line("Lamps: depth, past head", "radiance".to_owned(), true);
     for (i, light) in strand.lights.iter().enumerate() {
         line(&format!("{}  {:.2}  {:.2}", i + 1, light.hair_depth, light.past_head), rgb(light.radiance), false);
     }
