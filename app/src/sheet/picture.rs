@@ -51,10 +51,12 @@ impl Sheet {
         let mut pen = Pen::new();
         let columns = n_columns(self.tiles.len(), size);
         let rows = self.tiles.len().div_ceil(columns);
-        let [label, small] = [LABEL, SMALL].map(|size| pen.height("Hg", size, 1000));
+        let label = pen.height("Hg", LABEL, 1000);
+        let lines: Vec<String> = self.tiles.iter().map(|tile| cost_line(self, tile)).collect();
+        let cost = lines.iter().map(|line| pen.height(line, SMALL, size[0])).max().unwrap_or(0);
         let help = self.tiles.iter().map(|tile| pen.height(tile.info.help, SMALL, size[0])).max().unwrap_or(0);
         let (label_at, cost_at) = (size[1] + 8, size[1] + 8 + label + 2);
-        let help_at = cost_at + small + 3;
+        let help_at = cost_at + cost + 3;
         let cell = [size[0] + GAP, help_at + help + GAP];
         let width = GAP + cell[0] * columns as u32;
         let text_width = width - 2 * GAP;
@@ -76,7 +78,7 @@ impl Sheet {
             }
             let colour = if tile.is_chosen { ACCENT } else { STRONG };
             pen.write(&mut sheet, [left, top + label_at], tile.info.label, LABEL, size[0], colour);
-            pen.write(&mut sheet, [left, top + cost_at], &cost_line(self, tile), SMALL, size[0], STRONG);
+            pen.write(&mut sheet, [left, top + cost_at], &lines[i], SMALL, size[0], STRONG);
             pen.write(&mut sheet, [left, top + help_at], tile.info.help, SMALL, size[0], WEAK);
         }
         sheet

@@ -68,6 +68,8 @@ fn looks_are_wiped_coloured_kept_and_inspected_with_real_events() {
     let path = folder.join("dark.ron");
     studio.command("save look");
     studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
+    // What is typed belongs to the name once the dialog has come to rest.
+    studio.rest();
     studio.key("ctrl+a");
     studio.type_text("dark");
     studio.key("Return");
