@@ -6,7 +6,7 @@ mod inspector;
 mod legend;
 mod wipe;
 
-use egui::{Align2, Color32, Rect, Response, Sense, Ui, pos2, vec2};
+use egui::{Rect, Response, Ui, pos2, vec2};
 use lorelei_core::look::Look;
 use lorelei_core::look::presets::TERMS;
 use lorelei_render::versus::Comparison;
@@ -117,23 +117,13 @@ pub fn viewport(ui: &mut Ui, desk: &mut Desk, rect: Rect, response: &Response) -
 fn solo_mark(ui: &mut Ui, desk: &mut Desk, rect: Rect) {
     let Some(solo) = desk.room.solo else { return };
     ui.painter().rect_stroke(rect.shrink(1.0), 0.0, egui::Stroke::new(2.0, theme::ACCENT), egui::StrokeKind::Inside);
-    let text = format!("SOLO  {}  \u{d7}", solo_name(desk, solo));
-    let place = pill(ui, pos2(rect.center().x, rect.top() + 22.0), &text, theme::ACCENT_DIM, theme::TEXT_STRONG);
-    let end = ui.interact(place, ui.scope_id().with("end solo"), Sense::click());
-    mark(ui.ctx(), || "end solo".to_owned(), place);
+    let text = egui::RichText::new(format!("SOLO  {}  \u{d7}", solo_name(desk, solo))).color(theme::TEXT_STRONG);
+    let place = Rect::from_center_size(pos2(rect.center().x, rect.top() + 22.0), vec2(220.0, 24.0));
+    let end = ui.put(place, egui::Button::new(text).fill(theme::ACCENT_DIM));
+    mark(ui.ctx(), || "end solo".to_owned(), end.rect);
     if end.on_hover_text("Only this part of the light is shown. Click: all of it again").clicked() {
         desk.asked.push(Command::Room(RoomCommand::EndSolo));
     }
-}
-
-/// Words on a rounded plate around a point.
-fn pill(ui: &Ui, at: egui::Pos2, text: &str, fill: Color32, colour: Color32) -> Rect {
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(text.to_owned(), font, colour);
-    let place = Align2::CENTER_CENTER.anchor_size(at, galley.size() + vec2(20.0, 8.0));
-    ui.painter().rect_filled(place, 6.0, fill);
-    ui.painter().galley(place.min + vec2(10.0, 4.0), galley, colour);
-    place
 }
 
 /// For the state report.
