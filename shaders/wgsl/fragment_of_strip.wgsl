@@ -3,7 +3,7 @@
 #import lorelei::fragment::{Fragment, band}
 #import lorelei::raster_frame::{raster, raster_layers}
 #import lorelei::radiance::{fibre_radiance}
-#import lorelei::hash::{combine, unit}
+#import lorelei::cover_of::{Cover}
 #import lorelei::strands::{seeds}
 
 // View depth in centimetres of the head, and the share of the pixel that it covers.
@@ -22,13 +22,8 @@ fn owner_of(vertex: u32) -> vec2<u32> {
     return vec2<u32>(0u);
 }
 
-// The pixel's own number in 0-1, for rounding.
-fn dither_of(pixel: vec2<u32>) -> f32 {
-    return unit(combine(pixel.x, pixel.y));
-}
-
 // `t` along the segment, `across` its fibre (see strands.wgsl), `segment_cm` its length; alpha is 0 where the head hides it.
-fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u32>, depth: f32, coverage: f32, mask: u32) -> Fragment {
+fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u32>, depth: f32, cover: Cover) -> Fragment {
     let fibre = fibre_radiance(vertex, t, across);
     let surface = pixel / raster.supersampling;
     let is_behind = depth > textureLoad(head_depth, surface, 0).x;
@@ -38,8 +33,8 @@ fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u3
     fragment.place = (pixel.y - band.first_row) * raster.view.size.x + pixel.x;
     fragment.pixel = pixel;
     fragment.depth = depth;
-    fragment.alpha = saturate(coverage * fibre.w) * open;
-    fragment.mask = mask;
+    fragment.alpha = saturate(cover.area * fibre.w) * open;
+    fragment.mask = cover.mask;
     fragment.colour = fibre.xyz;
     fragment.vertex = vertex;
     fragment.seed = seeds[owner.x];

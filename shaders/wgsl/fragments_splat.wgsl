@@ -4,10 +4,10 @@
 // shines through, is faster for what it does.)
 #import lorelei::camera::{project}
 #import lorelei::raster_frame::{raster, segment_of, NO_VERTEX}
-#import lorelei::coverage::{strip_of, strip_coverage, is_inside}
-#import lorelei::cover::{N_SAMPLES, sample_offset, settled, samples_of}
+#import lorelei::coverage::{strip_of}
+#import lorelei::cover_of::{cover_of_strip}
 #import lorelei::fragment::{band}
-#import lorelei::fragment_of_strip::{fragment_of, dither_of}
+#import lorelei::fragment_of_strip::{fragment_of}
 #import lorelei::sink::{sink}
 #import lorelei::strands::{vertices, offset_of}
 
@@ -57,23 +57,11 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
             let offset_px = vec2<f32>(at) + 0.5 - a.xy;
             let place = vec2<f32>(dot(offset_px, u), offset_px.y * u.x - offset_px.x * u.y);
             let t = saturate(place.x * strip.per_length);
-            var area = 0.0;
-            var mask = 0u;
-            if N_SAMPLES == 0u {
-                area = settled(strip_coverage(strip, place, t), dither_of(pixel));
-                mask = samples_of(area);
-            } else {
-                for (var k = 0u; k < N_SAMPLES; k++) {
-                    let d = sample_offset(k);
-                    let sampled = place + vec2<f32>(dot(d, u), d.y * u.x - d.x * u.y);
-                    mask |= select(0u, 1u << k, is_inside(strip, sampled));
-                }
-                area = f32(countOneBits(mask)) / f32(max(N_SAMPLES, 1u));
-            }
-            if mask != 0u {
+            let cover = cover_of_strip(strip, place, t, u, pixel);
+            if cover.mask != 0u {
                 let half_width = mix(strip.half_widths.x, strip.half_widths.y, t);
                 let h = offset_of(place.y, half_width);
-                let fragment = fragment_of(vertex, t, h, segment_cm, pixel, mix(a.z, b.z, t), area, mask);
+                let fragment = fragment_of(vertex, t, h, segment_cm, pixel, mix(a.z, b.z, t), cover);
                 if fragment.alpha > 0.0 {
                     sink(fragment);
                 }

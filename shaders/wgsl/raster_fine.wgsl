@@ -6,10 +6,9 @@
 #import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
 #import lorelei::tile::{TILE, N_PIXELS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_place}
-#import lorelei::coverage::{Strip, strip_of, strip_coverage, is_inside}
-#import lorelei::cover::{N_SAMPLES, sample_offset, settled}
+#import lorelei::coverage::{strip_of}
+#import lorelei::cover_of::{cover_of_strip}
 #import lorelei::radiance::{fibre_radiance}
-#import lorelei::hash::{combine, unit}
 #import lorelei::strands::{offset_of}
 #import lorelei::raster_blend::{Blend, BlendScale, N_OPEN, N_STEP, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
 #import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, VERTEX}
@@ -24,21 +23,6 @@ var<workgroup> surfaces: array<vec2<f32>, N_PIXELS>;
 var<workgroup> nearest_surface: atomic<u32>;
 // Pixels that are not done: for each column a bit of each row, then for each row a bit of each column.
 var<workgroup> open_pixels: array<atomic<u32>, 2u * u32(TILE)>;
-
-// Share of a pixel that a strip covers, as the antialiasing has it.
-fn covered(strip: Strip, place: vec2<f32>, t: f32, u: vec2<f32>, at: u32, tile_origin: vec2<f32>) -> f32 {
-    if N_SAMPLES == 0u {
-        let pixel = vec2<u32>(tile_origin) + vec2<u32>(at % u32(SIDE), at / u32(SIDE));
-        return settled(strip_coverage(strip, place, t), unit(combine(pixel.x, pixel.y)));
-    }
-    var n = 0.0;
-    for (var k = 0u; k < N_SAMPLES; k++) {
-        let d = sample_offset(k);
-        let sampled = place + vec2<f32>(dot(d, u), d.y * u.x - d.x * u.y);
-        n += select(0.0, 1.0, is_inside(strip, sampled));
-    }
-    return n / f32(max(N_SAMPLES, 1u));
-}
 
 // A segment's fragments in the tile, column by column along its longer axis ("columns" are rows where it is steep).
 fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32, tile_origin: vec2<f32>) {
@@ -80,7 +64,8 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
             let place = vec2<f32>(x * u.x + y * u.y, y * u.x - x * u.y);
             let t = saturate(place.x * strip.per_length);
             let at = u32(column) * strides.x + row * strides.y;
-            let area = covered(strip, place, t, u, at, tile_origin);
+            let pixel = vec2<u32>(tile_origin) + vec2<u32>(at % u32(SIDE), at / u32(SIDE));
+            let area = cover_of_strip(strip, place, t, u, pixel).area;
             if area <= 0.0 {
                 continue;
             }

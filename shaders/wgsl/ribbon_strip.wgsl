@@ -17,6 +17,13 @@ struct Corner {
     @location(4) @interpolate(flat) vertex: u32,
 }
 
+// A corner that nobody sees, of a segment that is not there.
+fn nowhere() -> Corner {
+    var out: Corner;
+    out.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
+    return out;
+}
+
 fn safe_direction(start: vec2<f32>, end: vec2<f32>) -> vec2<f32> {
     let step = end - start;
     let n = length(step);

@@ -1,21 +1,15 @@
 // Strips or lines in the order of a list, blended over each other from back to front.
 #import lorelei::raster_frame::{raster}
-#import lorelei::cover::{N_SAMPLES, sample_offset, settled}
-#import lorelei::fragment_of_strip::{fragment_of, dither_of, owner_of}
+#import lorelei::cover_of::{Cover, cover_of_ribbon, cover_of_line}
+#import lorelei::fragment_of_strip::{fragment_of, owner_of}
 #import lorelei::raster_frame::{raster_layers}
-#import lorelei::ribbon_strip::{Corner, strip_corner, line_end}
+#import lorelei::ribbon_strip::{Corner, nowhere, strip_corner, line_end}
 #import lorelei::strands::{vertices, offset_of}
 
 // First vertices of segments from back to front, NOTHING where there is none: see ribbons_keys.wgsl.
 @group(0) @binding(auto) var<storage, read> order: array<u32>;
 
 const NOTHING: u32 = 0xFFFFFFFFu;
-
-fn nowhere() -> Corner {
-    var out: Corner;
-    out.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
-    return out;
-}
 
 fn is_tip(vertex: u32) -> bool {
     for (var layer_idx = 0u; layer_idx < raster.n_layers; layer_idx++) {
@@ -46,30 +40,22 @@ fn line(@builtin(vertex_index) vertex_idx: u32) -> Corner {
     return line_end(raster.view, a, vertex_idx % 2u);
 }
 
-fn blended(in: Corner, area: f32) -> vec4<f32> {
+fn blended(in: Corner, pixel: vec2<u32>, cover: Cover) -> vec4<f32> {
     let segment_cm = distance(vertices[in.vertex].xyz, vertices[in.vertex + 1u].xyz);
     let h = offset_of(in.across, in.half_width);
-    let fragment = fragment_of(in.vertex, in.t, h, segment_cm, vec2<u32>(in.position.xy), in.depth, area, 1u);
+    let fragment = fragment_of(in.vertex, in.t, h, segment_cm, pixel, in.depth, cover);
     return fragment.alpha * vec4<f32>(fragment.colour, 1.0);
 }
 
 @fragment
 fn strip_fragment(in: Corner) -> @location(0) vec4<f32> {
+    let pixel = vec2<u32>(in.position.xy);
     let slope = vec2<f32>(dpdx(in.across), dpdy(in.across));
-    var area = clamp(min(in.across + 0.5, in.half_width) - max(in.across - 0.5, -in.half_width), 0.0, 1.0);
-    if N_SAMPLES == 0u {
-        area = settled(area, dither_of(vec2<u32>(in.position.xy)));
-    } else {
-        var n = 0.0;
-        for (var k = 0u; k < N_SAMPLES; k++) {
-            n += select(0.0, 1.0, abs(in.across + dot(slope, sample_offset(k))) <= in.half_width);
-        }
-        area = n / f32(max(N_SAMPLES, 1u));
-    }
-    return blended(in, area);
+    return blended(in, pixel, cover_of_ribbon(in.across, slope, in.half_width, pixel));
 }
 
 @fragment
 fn line_fragment(in: Corner) -> @location(0) vec4<f32> {
-    return blended(in, settled(saturate(2.0 * in.half_width), dither_of(vec2<u32>(in.position.xy))));
+    let pixel = vec2<u32>(in.position.xy);
+    return blended(in, pixel, cover_of_line(in.half_width, pixel));
 }
