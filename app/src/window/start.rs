@@ -1,9 +1,10 @@
 //! Opening the window: eframe with the features and limits that the renderer wants; and once more, in a new
 //! process, where it ended badly: the GPU was lost.
 
+use std::cell::Cell;
 use std::panic::AssertUnwindSafe;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use lorelei_core::groom::Groom;
@@ -66,20 +67,60 @@ pub type Handover = Arc<Mutex<Kept>>;
 /// Times that a new window is opened after one that ended badly.
 const MAX_LOSSES: u32 = 3;
 
+thread_local! {
+    /// Panics of this thread's window that are not caught yet.
+    static N_PANICS: Cell<u32> = const { Cell::new(0) };
+}
+
 /// Open the window; returns when it was closed.
 pub fn open(options: &StartOptions) -> Result<(), WindowError> {
     let handover = Handover::default();
-    let n_losses = options.n_losses;
+    rescue_from_second_panic(options.clone(), Arc::clone(&handover));
     let theirs = (options.clone(), Arc::clone(&handover));
     // Painting on a lost device panics inside egui's renderer.
     let ended = std::panic::catch_unwind(AssertUnwindSafe(move || run_once(theirs.0, theirs.1)));
+    N_PANICS.set(0);
     let kept = std::mem::take(&mut *handover.lock().unwrap_or_else(PoisonError::into_inner));
     match ended {
         Ok(result) if !kept.is_lost => return result,
         Ok(_) | Err(_) => {}
     }
+    go_on(options, kept)
+}
+
+/// What lets go of a lost device may panic as well while the first panic unwinds, and the language then aborts: so go on
+/// from where the second is told, as nothing comes after it. The window that is dead lies behind the new one until
+/// that ends.
+fn rescue_from_second_panic(options: StartOptions, handover: Handover) {
+    let window_thread = std::thread::current().id();
+    let tell = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        tell(panic);
+        if std::thread::current().id() != window_thread {
+            return;
+        }
+        N_PANICS.set(N_PANICS.get() + 1);
+        if N_PANICS.get() != 2 {
+            return;
+        }
+        let kept = match handover.try_lock() {
+            Ok(mut kept) => std::mem::take(&mut *kept),
+            Err(TryLockError::Poisoned(kept)) => std::mem::take(&mut *kept.into_inner()),
+            Err(TryLockError::WouldBlock) => return,
+        };
+        let ended = go_on(&options, kept);
+        if let Err(why) = &ended {
+            eprintln!("{why}");
+        }
+        std::process::exit(i32::from(ended.is_err()));
+    }));
+}
+
+/// After a window that ended badly: write down what it had, and open another.
+fn go_on(options: &StartOptions, kept: Kept) -> Result<(), WindowError> {
     let Some(((groom, path), file)) = kept.latest.zip(kept.file) else { return Err(WindowError::Ended) };
     lorelei_core::document::save(&groom, &file).map_err(|why| WindowError::NotKept(why.to_string()))?;
+    let n_losses = options.n_losses;
     if n_losses >= MAX_LOSSES {
         return Err(WindowError::GpuLost(n_losses + 1, file.display().to_string()));
     }
