@@ -21,7 +21,7 @@ use crate::inspect::{InspectError, InspectInput, Inspection, Inspector};
 use crate::mirror::{Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
-use crate::raster::{Raster, RasterInput, Threads, TooManyVertices};
+use crate::raster::{Raster, RasterInput, Threads, TooManyTiles, TooManyVertices};
 use crate::resolve::{Downsample, ResolvePass};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
 use crate::shade::{Shade, ShadeInput};
@@ -40,6 +40,8 @@ pub enum RenderError {
     Strands(#[from] MirrorError),
     #[error(transparent)]
     TooManyVertices(#[from] TooManyVertices),
+    #[error(transparent)]
+    TooManyTiles(#[from] TooManyTiles),
     #[error(transparent)]
     TooWide(#[from] TooWide),
     #[error("a picture of {width} x {height} pixels cannot be made on this GPU; each side must be from 1 to {most}")]
@@ -65,6 +67,8 @@ pub struct FrameStatistics {
     pub n_bytes: u64,
     /// That of them which turns strands into pixels as the look has it.
     pub n_drawing_bytes: u64,
+    /// That of them which shadows are looked up in.
+    pub n_shadow_bytes: u64,
 }
 
 /// What strands are made from: while it is the same they are not made again.
@@ -285,6 +289,7 @@ impl Renderer {
             exposure: look.exposure.exp2(),
             supersampling,
             threads: self.threads.for_look(look),
+            fills_tiles: matches!(drawn_as(look), (Way::InOrder, Primitive::Compute)),
         };
         self.raster.prepare(gpu, library, strands, &raster_input)?;
 
@@ -533,6 +538,7 @@ impl Renderer {
             };
         FrameStatistics {
             n_drawing_bytes,
+            n_shadow_bytes: self.shadow.n_bytes(),
             n_strands: strands.layers.iter().map(|layer| layer.n_strands).sum(),
             n_vertices: strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum(),
             n_bytes: targets
@@ -592,6 +598,9 @@ fn differ(a: &Layer, b: &Layer) -> bool {
     !a.source.is_same(&b.source) || without_source(a) != without_source(b)
 }
 
+#[cfg(test)]
+#[path = "limits_tests.rs"]
+mod limits;
 #[cfg(test)]
 #[path = "renderer_tests.rs"]
 mod tests;

@@ -1,7 +1,10 @@
 //! Every shader links in every combination, kernels bind by name and run, and faults say where they are.
 
-use std::collections::BTreeSet;
+// Of the tests across crates, which know this crate and which it cannot know.
+#[path = "../../tests/src/covering.rs"]
+mod covering;
 
+use covering::covering;
 use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
 /// Scales numbers by an override and by whatever stands in for the slot `factor`.
@@ -175,47 +178,6 @@ fn a_bad_edit_keeps_the_last_good_shader_and_a_good_one_replaces_it() {
     assert_eq!(run_scale(&gpu, &kernel)[3], 3.0 * 5.0 + 7.0 + 3000.0);
 }
 
-/// Choices for each slot, such that every pair of choices of two slots is in one of the lists: a covering array, made
-/// greedily. All combinations of ten slots would be a million.
-fn covering(slots: &[Vec<String>]) -> Vec<Vec<usize>> {
-    let mut open: BTreeSet<[usize; 4]> = BTreeSet::new();
-    for (a, of_a) in slots.iter().enumerate() {
-        for (b, of_b) in slots.iter().enumerate().skip(a + 1) {
-            open.extend((0..of_a.len()).flat_map(|i| (0..of_b.len()).map(move |j| [a, i, b, j])));
-        }
-    }
-    if slots.len() < 2 {
-        return (0..slots.first().map_or(1, Vec::len)).map(|i| vec![i; slots.len()]).collect();
-    }
-    let mut rows = Vec::new();
-    while let Some(&[a, i, b, j]) = open.first() {
-        let mut row: Vec<Option<usize>> = vec![None; slots.len()];
-        (row[a], row[b]) = (Some(i), Some(j));
-        for slot in 0..slots.len() {
-            if row[slot].is_some() {
-                continue;
-            }
-            // What pairs the most with what is chosen already.
-            let news = |choice: usize| {
-                let is_new = |(other, chosen): (usize, &Option<usize>)| {
-                    chosen.is_some_and(|chosen| {
-                        let pair =
-                            if other < slot { [other, chosen, slot, choice] } else { [slot, choice, other, chosen] };
-                        open.contains(&pair)
-                    })
-                };
-                row.iter().enumerate().filter(|&pair| is_new(pair)).count()
-            };
-            let best = (0..slots[slot].len()).rev().max_by_key(|&choice| news(choice));
-            row[slot] = best;
-        }
-        let row: Vec<usize> = row.into_iter().flatten().collect();
-        open.retain(|&[a, i, b, j]| row[a] != i || row[b] != j);
-        rows.push(row);
-    }
-    rows
-}
-
 #[test]
 fn every_module_links_with_every_pair_of_choices_of_two_slots() {
     let library = ShaderLibrary::embedded();
@@ -226,7 +188,8 @@ fn every_module_links_with_every_pair_of_choices_of_two_slots() {
         for (slot, choices) in slots.iter().zip(&choices) {
             assert!(!choices.is_empty(), "{file}.wgsl imports `{slot}`: no such file, and none says `// slot: {slot}`");
         }
-        for row in covering(&choices) {
+        let n_choices: Vec<usize> = choices.iter().map(Vec::len).collect();
+        for row in covering(&n_choices) {
             let links: Vec<Link<'_>> = (slots.iter().zip(&choices).zip(&row))
                 .map(|((slot, choices), &choice)| Link::Slot(slot, &choices[choice]))
                 .collect();
@@ -235,22 +198,6 @@ fn every_module_links_with_every_pair_of_choices_of_two_slots() {
             }
         }
     }
-}
-
-#[test]
-fn a_covering_array_has_every_pair() {
-    let slots: Vec<Vec<String>> = [3, 1, 5, 2, 4].iter().map(|&n| vec![String::new(); n]).collect();
-    let rows = covering(&slots);
-    assert!(rows.len() >= 20 && rows.len() < 40, "{}", rows.len());
-    for a in 0..slots.len() {
-        for b in a + 1..slots.len() {
-            for (i, j) in (0..slots[a].len()).flat_map(|i| (0..slots[b].len()).map(move |j| (i, j))) {
-                assert!(rows.iter().any(|row| row[a] == i && row[b] == j), "slots {a}, {b}: {i}, {j}");
-            }
-        }
-    }
-    assert_eq!(covering(&[]), [Vec::<usize>::new()]);
-    assert_eq!(covering(&slots[..1]).len(), 3);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! What the tests across crates share: where things are, and how pictures are compared.
 
+pub mod covering;
 pub mod golden;
 
 use std::path::{Path, PathBuf};

@@ -3,5 +3,6 @@
 mod architecture;
 mod bcsdf;
 mod golden;
+mod looks;
 mod scalp;
 mod style;

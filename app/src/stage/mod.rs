@@ -441,6 +441,8 @@ impl Stage {
         report.n_strands = u64::from(statistics.n_strands);
         report.n_vertices = u64::from(statistics.n_vertices);
         report.n_bytes = statistics.n_bytes;
+        report.n_drawing_bytes = statistics.n_drawing_bytes;
+        report.n_shadow_bytes = statistics.n_shadow_bytes;
         report.pass_times = self.pass_times();
         report.sim_secs = self.time_secs;
         report.world_from_head = self.world_from_head;

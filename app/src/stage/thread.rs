@@ -128,6 +128,9 @@ pub struct FrameReport {
     pub n_strands: u64,
     pub n_vertices: u64,
     pub n_bytes: u64,
+    /// Of these, what turns strands into pixels, and what shadows are looked up in.
+    pub n_drawing_bytes: u64,
+    pub n_shadow_bytes: u64,
     pub sim_secs: f32,
     /// Where the head was in the last picture.
     pub world_from_head: glam::Affine3A,
@@ -675,6 +678,8 @@ impl Worker {
             report.n_strands = news.n_strands;
             report.n_vertices = news.n_vertices;
             report.n_bytes = news.n_bytes;
+            report.n_drawing_bytes = news.n_drawing_bytes;
+            report.n_shadow_bytes = news.n_shadow_bytes;
             report.pass_times = news.pass_times;
             report.sim_secs = news.sim_secs;
             report.world_from_head = news.world_from_head;

@@ -32,6 +32,7 @@ use lorelei_shaders::Gpu;
 
 pub use start::{StartOptions, open};
 
+use crate::stage::shown::Shown;
 use crate::stage::thread::{FrameRequest, StageGpu, StageThread};
 use desk::{Desk, FrameTimes};
 use document::Document;
@@ -226,6 +227,11 @@ impl Studio {
         if report.frame_idx != self.last_time_frame && !report.pass_times.is_empty() {
             self.last_time_frame = report.frame_idx;
             self.desk.keep_times(FrameTimes { passes: report.pass_times.clone() });
+            // Frames of less detail cost less, and what is shown beside the document is not the document's look.
+            let is_full = report.lod >= 1.0 && report.coarseness == 1 && report.shown == Shown::default();
+            if is_full && report.state == self.desk.document.state() {
+                self.desk.room.costs.keep(&report, &self.desk.document.groom.look);
+            }
         }
         self.is_lost |= report.is_lost;
         self.desk.report = report;

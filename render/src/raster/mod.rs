@@ -121,6 +121,8 @@ pub(crate) struct RasterInput {
     /// Pixels of `view` for one of the head, along a side.
     pub supersampling: u32,
     pub threads: Threads,
+    /// Strands are composited in tiles; where other passes draw them, these only want to know the frame.
+    pub fills_tiles: bool,
 }
 
 const STORAGE: BufferUsages = BufferUsages::STORAGE;
@@ -132,6 +134,18 @@ const STORAGE: BufferUsages = BufferUsages::STORAGE;
 )]
 pub struct TooManyVertices {
     pub n_vertices: u32,
+    pub needed: u64,
+    pub available: u64,
+}
+
+/// What tiles cannot be made for on this GPU.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "compositing {width} x {height} samples of hair in tiles needs {needed} MiB at once and this GPU binds {available} MiB; make the picture smaller, or choose another antialiasing or transparency"
+)]
+pub struct TooManyTiles {
+    pub width: u32,
+    pub height: u32,
     pub needed: u64,
     pub available: u64,
 }
@@ -224,6 +238,12 @@ impl Raster {
         let [width, height] = view.size;
         let n_tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
         let n_all_tiles = u64::from(n_tiles[0]) * u64::from(n_tiles[1]);
+        let n_filled_tiles = if input.fills_tiles { n_all_tiles } else { 0 };
+        let needed = n_filled_tiles * N_BINS.max(N_BUCKETS) * 4;
+        if needed > available {
+            let (needed, available) = (needed >> 20, available >> 20);
+            return Err(TooManyTiles { width, height, needed, available }.into());
+        }
         let round_size = (u64::from(n_items) * ENTRIES_PER_VERTEX)
             .max(MIN_ENTRIES)
             .min(available / 4 - u64::from(n_items))
@@ -234,13 +254,14 @@ impl Raster {
             fit(gpu, &mut segments.lines, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.spans, u64::from(n_vertices) * 16);
             fit(gpu, &mut segments.layers, (strands.layers.len() * size_of::<DrawnLayer>()) as u64);
-            fit(gpu, &mut segments.bins, n_all_tiles * N_BINS * 4);
-            fit(gpu, &mut segments.fronts, n_all_tiles * 4);
+            fit(gpu, &mut segments.bins, n_filled_tiles * N_BINS * 4);
+            fit(gpu, &mut segments.fronts, n_filled_tiles * 4);
             fit(gpu, &mut segments.tile_backs, n_all_tiles * 4);
-            fit(gpu, &mut self.buckets, n_all_tiles * N_BUCKETS * 4);
-            fit(gpu, &mut self.tiles, n_all_tiles * 16);
-            fit(gpu, &mut self.tile_list, n_all_tiles * N_ROUNDS * 4);
-            fit(gpu, &mut self.entries, (round_size + u64::from(n_items)) * 4);
+            fit(gpu, &mut self.buckets, n_filled_tiles * N_BUCKETS * 4);
+            fit(gpu, &mut self.tiles, n_filled_tiles * 16);
+            fit(gpu, &mut self.tile_list, n_filled_tiles * N_ROUNDS * 4);
+            let n_entries = if input.fills_tiles { round_size + u64::from(n_items) } else { 0 };
+            fit(gpu, &mut self.entries, n_entries * 4);
         })?;
         segments.n_items = n_items;
         // Enough strands that a tile of dense hair has some.

@@ -86,7 +86,7 @@ impl Case {
 }
 
 /// Every slot that a still picture shows.
-fn slots<'a>(look: &'a mut Look, material: &'a mut HairMaterial) -> Vec<Slot<'a>> {
+pub fn slots<'a>(look: &'a mut Look, material: &'a mut HairMaterial) -> Vec<Slot<'a>> {
     let mut slots = look.slots();
     slots.push(material.slot());
     slots

@@ -80,7 +80,7 @@ fn layer(ui: &mut Ui, desk: &mut Desk, layer_idx: usize) {
     {
         let mut default = default_material.slot();
         let mut slot = layer.material.slot();
-        material_change = widgets::slot(ui, &mut slot, &mut default, None).or(material_change);
+        material_change = widgets::slot(ui, &mut slot, &mut default, &widgets::Notes::default()).or(material_change);
     }
     section(ui, "Strands");
     let mut default = Layer::new("", layer.source.clone());

@@ -33,7 +33,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
-    let change = widgets::slot(ui, &mut settings.slot(), &mut default.slot(), None);
+    let change = widgets::slot(ui, &mut settings.slot(), &mut default.slot(), &widgets::Notes::default());
     if let Some(change) = change {
         desk.document.edit(&change.label, Edit::SetSimulation(Box::new(settings)), merge_of(change.drag));
     }

@@ -55,12 +55,33 @@ pub fn form_row<R>(
     noted_row(ui, name, help, None, is_changed, control)
 }
 
-/// As [`form_row`], with a note at the right of the name: what the control's choice costs.
+/// What a choice costs, in words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Note {
+    pub time: String,
+    /// Time and memory, where the memory is known.
+    pub all: String,
+}
+
+/// What the choices of a slot cost, in the order of the choices; and what was measured. Empty: nothing is known.
+#[derive(Debug, Default)]
+pub struct Notes {
+    pub of_choices: Vec<Option<Note>>,
+    pub what: &'static str,
+}
+
+impl Notes {
+    fn of(&self, choice_idx: usize) -> Option<&Note> {
+        self.of_choices.get(choice_idx)?.as_ref()
+    }
+}
+
+/// As [`form_row`], with a note at the right of the name, and what the note is: what the control's choice costs.
 fn noted_row<R>(
     ui: &mut Ui,
     name: &str,
     help: &str,
-    note: Option<&str>,
+    note: Option<(&Note, &str)>,
     is_changed: bool,
     control: impl FnOnce(&mut Ui) -> R,
 ) -> (bool, R) {
@@ -73,10 +94,10 @@ fn noted_row<R>(
         let font = egui::TextStyle::Body.resolve(ui.style());
         let galley = ui.painter().layout_no_wrap(name.to_owned(), font, colour);
         let mut name_rect = rect;
-        if let Some(note) = note {
+        if let Some((note, _)) = note {
             let font = egui::TextStyle::Small.resolve(ui.style());
             let right = rect.right_center() - vec2(4.0, 0.0);
-            let drawn = ui.painter().text(right, Align2::RIGHT_CENTER, note, font, theme::TEXT_WEAK);
+            let drawn = ui.painter().text(right, Align2::RIGHT_CENTER, &note.time, font, theme::TEXT_WEAK);
             name_rect.max.x = drawn.left() - 4.0;
         }
         let is_cut = galley.size().x > name_rect.width() - 8.0;
@@ -96,8 +117,9 @@ fn noted_row<R>(
                 if !help.is_empty() {
                     ui.label(help);
                 }
-                if let Some(note) = note {
-                    ui.label(format!("{note}: GPU time of its passes when they were last drawn"));
+                if let Some((note, what)) = note {
+                    let all = &note.all;
+                    ui.label(format!("{all}: {what}, when it was last drawn. The list says what other choices took."));
                 }
                 if is_changed {
                     ui.label(RichText::new("Double-click the name to reset").color(theme::TEXT_WEAK).small());
@@ -226,16 +248,16 @@ pub fn colour(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
     .inner
 }
 
-/// A slot: its choice, its cost, and the parameters that belong to the choice.
-pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, cost_ms: Option<f32>) -> Option<Change> {
+/// A slot: its choice, what choices cost, and the parameters that belong to the choice.
+pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, notes: &Notes) -> Option<Change> {
     let mut change = None;
     let infos = slot.choice.infos();
     let index = slot.choice.index();
     let is_switch = infos.len() == 2 && infos[0].name == "on" && infos[1].name == "off";
     let is_changed = index != default.choice.index();
     let mut chosen = index;
-    let note = cost_ms.map(milliseconds);
-    let (is_reset, ()) = noted_row(ui, slot.label, slot.help, note.as_deref(), is_changed, |ui| {
+    let note = notes.of(index).map(|note| (note, notes.what));
+    let (is_reset, ()) = noted_row(ui, slot.label, slot.help, note, is_changed, |ui| {
         if is_switch {
             let mut is_on = index == 0;
             if switch(ui, &mut is_on).on_hover_text(slot.help).changed() {
@@ -249,7 +271,12 @@ pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, cost_ms: O
                 .truncate()
                 .show_ui(ui, |ui| {
                     for (i, info) in infos.iter().enumerate() {
-                        let choice = ui.selectable_value(&mut chosen, i, info.label).on_hover_text(info.help);
+                        let cost = notes.of(i).map_or("", |note| note.all.as_str());
+                        let row = egui::Button::selectable(i == chosen, info.label).shortcut_text(cost);
+                        let choice = ui.add(row).on_hover_text(info.help);
+                        if choice.clicked() {
+                            chosen = i;
+                        }
                         mark(ui.ctx(), || format!("choice {}={}", slot.key, info.name), choice.rect);
                     }
                 })
@@ -310,6 +337,14 @@ pub fn milliseconds(ms: f32) -> String {
         ms if ms >= 100.0 => format!("{ms:.0} ms"),
         ms if ms >= 10.0 => format!("{ms:.1} ms"),
         ms => format!("{ms:.2} ms"),
+    }
+}
+
+/// Memory as people read it: `96 MiB`, `0.3 MiB`.
+pub fn mebibytes(n_bytes: u64) -> String {
+    match n_bytes as f64 / f64::from(1 << 20) {
+        mib if mib >= 10.0 || mib == 0.0 => format!("{mib:.0} MiB"),
+        mib => format!("{mib:.1} MiB"),
     }
 }
 

@@ -2,6 +2,7 @@
 //! what is under the pointer. Nothing here is part of the document; what changes it goes through edits.
 
 pub mod commands;
+pub mod costs;
 mod inspector;
 mod legend;
 mod wipe;
@@ -17,6 +18,7 @@ use super::state_report::mark;
 use super::theme;
 use crate::stage::shown::{Shown, Solo};
 use commands::RoomCommand;
+use costs::Costs;
 
 /// How the other look is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -42,6 +44,8 @@ pub struct Room {
     pub inspects: bool,
     /// Pixel of the picture under the pointer, while it inspects.
     pub pixel: Option<[u32; 2]>,
+    /// What the choices of the look have cost so far.
+    pub costs: Costs,
     /// Slot of the next contact sheet: the one that was used last.
     pub slot: &'static str,
 }
@@ -56,6 +60,7 @@ impl Default for Room {
             gain: 4.0,
             inspects: false,
             pixel: None,
+            costs: Costs::default(),
             slot: "shadowing",
         }
     }
@@ -134,6 +139,7 @@ pub fn report(desk: &Desk) -> serde_json::Value {
         "solo": room.solo.map(|solo| solo_name(desk, solo)),
         "beside": format!("{:?}", room.beside),
         "wipe": room.wipe,
+        "costs": room.costs.report(),
         "has_other": room.other.is_some(),
         "inspects": room.inspects,
         "inspected": inspected.map(|inspection| serde_json::json!({
