@@ -139,7 +139,7 @@ fn fault(gpu: &Gpu, renderer: &mut Renderer, groom: &Groom, reference: f64) -> O
         Err(why) => return Some(why),
     };
     let within = match promised(groom.look.transparency) {
-        Coverage::Right => 0.85..1.15,
+        Coverage::Right => 0.75..1.25,
         Coverage::Off => 0.15..2.5,
     };
     if !within.contains(&(coverage / reference)) {

@@ -26,7 +26,7 @@ fn n_columns(n_tiles: usize, [width, height]: [u32; 2]) -> usize {
     let cost = |columns: usize| {
         let rows = n_tiles.div_ceil(columns);
         let shape = (columns as f32 * width as f32) / (rows as f32 * height as f32);
-        (shape / SHAPE).ln().abs() + 0.1 * (rows * columns - n_tiles) as f32
+        (shape / SHAPE).ln().abs() + 0.2 * (rows * columns - n_tiles) as f32
     };
     (1..=n_tiles).min_by(|&a, &b| cost(a).total_cmp(&cost(b))).unwrap_or(1)
 }
