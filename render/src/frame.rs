@@ -6,9 +6,6 @@ use lorelei_shaders::{Gpu, GpuError};
 
 /// Colour of scene light: half floats, premultiplied.
 pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-pub(crate) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Samples a pixel of the head.
-pub(crate) const N_SAMPLES: u32 = 4;
 
 /// What changes from frame to frame.
 #[derive(Debug, Clone, Copy)]
@@ -30,13 +27,11 @@ pub struct FrameInput<'a> {
 #[derive(Debug)]
 pub(crate) struct Targets {
     pub size: [u32; 2],
-    pub head_samples: wgpu::TextureView,
-    pub head_depth_samples: wgpu::TextureView,
-    /// World normals of the head.
+    /// World normals of the head, and how much of it is scalp; weighted with the share of the pixel that it covers.
     pub head_normal: wgpu::TextureView,
     /// Premultiplied; alpha is the share of the pixel that the head covers.
     pub head_colour: wgpu::TextureView,
-    /// View depth, centimetres.
+    /// View depth, centimetres; the share of the pixel that the head covers.
     pub head_depth: wgpu::TextureView,
     /// Premultiplied hair that is seen past the head.
     pub hair: wgpu::TextureView,
@@ -73,19 +68,19 @@ impl Targets {
     /// `supersampling`: pixels of hair that are drawn for one, along a side.
     pub fn new(gpu: &Gpu, size: [u32; 2], supersampling: u32) -> Result<Self, GpuError> {
         use wgpu::TextureUsages as Usage;
-        let sized = |label, format, sample_count, usage, [width, height]: [u32; 2]| {
+        let sized = |label, format, usage, [width, height]: [u32; 2]| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                 mip_level_count: 1,
-                sample_count,
+                sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage,
                 view_formats: &[],
             })
         };
-        let texture = |label, format, sample_count, usage| sized(label, format, sample_count, usage, size);
+        let texture = |label, format, usage| sized(label, format, usage, size);
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         gpu.checked(|| {
             let attached = Usage::RENDER_ATTACHMENT;
@@ -93,25 +88,21 @@ impl Targets {
             let output = texture(
                 "frame.output",
                 wgpu::TextureFormat::Rgba8Unorm,
-                1,
                 read | Usage::STORAGE_BINDING | Usage::COPY_SRC,
             );
             Self {
                 size,
-                head_samples: view(&texture("head.samples", COLOUR, N_SAMPLES, attached)),
-                head_depth_samples: view(&texture("head.depth_samples", DEPTH, N_SAMPLES, attached | read)),
-                head_normal: view(&texture("head.normal", COLOUR, 1, attached | read)),
-                head_colour: view(&texture("head.colour", COLOUR, 1, read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
+                head_normal: view(&texture("head.normal", COLOUR, read | Usage::STORAGE_BINDING)),
+                head_colour: view(&texture("head.colour", COLOUR, read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
                 head_depth: view(&texture(
                     "head.depth",
-                    wgpu::TextureFormat::R32Float,
-                    1,
+                    wgpu::TextureFormat::Rg32Float,
                     read | Usage::STORAGE_BINDING | Usage::COPY_SRC,
                 )),
-                hair: view(&texture("hair", COLOUR, 1, attached | read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
+                hair: view(&texture("hair", COLOUR, attached | read | Usage::STORAGE_BINDING | Usage::COPY_SRC)),
                 fine_hair: (supersampling > 1).then(|| {
                     let usage = attached | read | Usage::STORAGE_BINDING;
-                    view(&sized("hair.fine", COLOUR, 1, usage, size.map(|side| side * supersampling)))
+                    view(&sized("hair.fine", COLOUR, usage, size.map(|side| side * supersampling)))
                 }),
                 supersampling,
                 output_view: view(&output),

@@ -1,5 +1,5 @@
-//! The head: normals and depth through the graphics pipeline, four samples a pixel so that its outline is smooth; then
-//! skin and the depth that hair is compared with, once a pixel, in compute.
+//! The head, by compute: its triangles into lists of tiles, four samples a pixel of what is nearest, so that its outline is
+//! smooth; then skin, once a pixel.
 
 use std::collections::{HashMap, HashSet};
 
@@ -7,16 +7,18 @@ use glam::{Affine3A, Mat4, Vec3};
 use lorelei_core::look::{Look, Shadowing};
 use lorelei_core::maps::uvs::scalp_uvs;
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
-use lorelei_shaders::{Draw, DrawDescriptor, Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
-use crate::frame::{COLOUR, DEPTH, N_SAMPLES, Targets};
+use crate::frame::Targets;
 use crate::overlay::{Overlay, OverlayTexture};
+use crate::profile::Profile;
+use crate::raster::{TILE, fit};
 use crate::scene::SceneBuffers;
 use crate::shadow::Shadow;
 use crate::slot;
 
-/// Twin of `HeadLook` in head.wgsl.
+/// Twin of `HeadLook` in head_frame.wgsl.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct HeadLook {
@@ -27,23 +29,56 @@ struct HeadLook {
     roots: f32,
     overlay: f32,
     supersampling: u32,
+    n_triangles: u32,
+    n_entries: u32,
+    pad: [u32; 2],
 }
 
+/// Twin of what head_surface.wgsl says of `head_vertices`.
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+struct HeadVertex {
+    position: [f32; 3],
+    scalp: f32,
+    normal: [f32; 3],
+    is_painted: f32,
+    map_place: [f32; 2],
+    pad: [f32; 2],
+}
+
+/// Bytes of a `Triangle` of triangle.wgsl.
+const TRIANGLE_SIZE: u64 = 48;
+
 struct Mesh {
-    positions: wgpu::Buffer,
-    normals: wgpu::Buffer,
+    vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
-    scalp: wgpu::Buffer,
-    map_places: wgpu::Buffer,
-    n_indices: u32,
+    triangles: wgpu::Buffer,
+    n_triangles: u32,
+}
+
+/// The passes before light.
+struct Surface {
+    bin: Kernel,
+    surface: Kernel,
+}
+
+impl Surface {
+    fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
+        Ok(Self {
+            bin: library.kernel(gpu, "head_bin", "bin", &[], &[])?,
+            surface: library.kernel(gpu, "head_surface", "surface", &[], &[])?,
+        })
+    }
 }
 
 /// The head pass.
 pub(crate) struct HeadPass {
-    draw: Hot<Draw>,
+    surface: Hot<Surface>,
     shade: HashMap<Shadowing, Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
+    lists: wgpu::Buffer,
+    entries: wgpu::Buffer,
     overlay: OverlayTexture,
 }
 
@@ -63,13 +98,23 @@ pub(crate) struct HeadInput<'a> {
     pub shadow: &'a Shadow,
 }
 
+/// A head that cannot be drawn on this GPU.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("a head of {n_triangles} triangles is too much for this GPU, which draws {most}; take a coarser mesh")]
+pub struct TooManyTriangles {
+    pub n_triangles: usize,
+    pub most: u64,
+}
+
 impl HeadPass {
     pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         Ok(Self {
-            draw: Hot::new(library, |library| make_draw(gpu, library))?,
+            surface: Hot::new(library, |library| Surface::new(gpu, library))?,
             shade: HashMap::new(),
             look: gpu.buffer("head.look", size_of::<HeadLook>() as u64, BufferUsages::UNIFORM),
             mesh: None,
+            lists: gpu.buffer("head.lists", 0, BufferUsages::STORAGE),
+            entries: gpu.buffer("head.entries", 0, BufferUsages::STORAGE),
             overlay: OverlayTexture::new(gpu),
         })
     }
@@ -83,41 +128,58 @@ impl HeadPass {
         self.overlay.shown()
     }
 
+    /// Whether a mesh can be drawn; [`HeadPass::set_mesh`] takes no other.
+    pub fn check(gpu: &Gpu, mesh: &TriMesh) -> Result<(), TooManyTriangles> {
+        let most = gpu.max_storage_binding() / TRIANGLE_SIZE;
+        let n_triangles = mesh.triangles.len().max(mesh.positions.len());
+        if n_triangles as u64 > most { Err(TooManyTriangles { n_triangles, most }) } else { Ok(()) }
+    }
+
     pub fn set_mesh(&mut self, gpu: &Gpu, mesh: Option<&TriMesh>) {
         self.mesh = mesh.filter(|mesh| !mesh.triangles.is_empty()).map(|mesh| {
-            let normals = mesh.vertex_normals();
+            let n_triangles = mesh.triangles.len() as u32;
             Mesh {
-                positions: gpu.buffer_of("head.positions", &mesh.positions, BufferUsages::STORAGE),
-                normals: gpu.buffer_of("head.normals", &normals, BufferUsages::STORAGE),
+                vertices: gpu.buffer_of("head.vertices", &vertices_of(mesh), BufferUsages::STORAGE),
                 indices: gpu.buffer_of("head.indices", &mesh.triangles, BufferUsages::STORAGE),
-                scalp: gpu.buffer_of("head.scalp", &scalp_of(mesh), BufferUsages::STORAGE),
-                map_places: gpu.buffer_of("head.map_places", &map_places_of(mesh), BufferUsages::STORAGE),
-                n_indices: 3 * mesh.triangles.len() as u32,
+                triangles: gpu.buffer("head.triangles", u64::from(n_triangles) * TRIANGLE_SIZE, BufferUsages::STORAGE),
+                n_triangles,
             }
         });
     }
 
     pub fn shader_error(&self) -> Option<&ShaderError> {
-        self.shade.values().find_map(Hot::error).or(self.draw.error())
+        self.shade.values().find_map(Hot::error).or(self.surface.error())
     }
 
-    /// Draw head colour and depth into the targets; both are cleared where there is no head.
+    /// Bytes of all buffers.
+    pub fn n_bytes(&self) -> u64 {
+        let mesh = self.mesh.iter().flat_map(|mesh| [&mesh.vertices, &mesh.indices, &mesh.triangles]);
+        mesh.chain([&self.lists, &self.entries]).map(wgpu::Buffer::size).sum()
+    }
+
+    /// Draw head colour and depth into the targets; both are empty where there is no head.
     pub fn record(
         &mut self,
         gpu: &Gpu,
         library: &ShaderLibrary,
         encoder: &mut wgpu::CommandEncoder,
+        profile: &mut Profile,
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
-        let shadowing = input.look.shadowing;
-        let make_shade =
-            |library: &ShaderLibrary| library.kernel(gpu, "head_shade", "shade_head", &[], &slot::shadowing(shadowing));
-        if let Some(kernel) = self.shade.get_mut(&shadowing) {
-            kernel.refresh(library, make_shade);
-        } else {
-            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
-        }
-        self.draw.refresh(library, |library| make_draw(gpu, library));
+        self.prepare(gpu, input);
+        profile.pass("head.surface", encoder, |encoder| self.record_surface(gpu, library, encoder, input))?;
+        profile.pass("head.shade", encoder, |encoder| self.record_shade(gpu, library, encoder, input))
+    }
+
+    /// Make the lists fit the picture and send the frame's numbers.
+    fn prepare(&mut self, gpu: &Gpu, input: &HeadInput<'_>) {
+        let n_tiles: u64 = input.targets.size.iter().map(|side| u64::from(side.div_ceil(TILE))).product();
+        let n_triangles = if input.is_shown { self.mesh.as_ref().map_or(0, |mesh| mesh.n_triangles) } else { 0 };
+        // A closed head has two to four sheets over a pixel, and small triangles touch a tile or two. A tile whose list
+        // finds no room is drawn from all triangles.
+        let n_entries = (16 * n_tiles + 4 * u64::from(n_triangles)).min(gpu.max_storage_binding() / 8);
+        fit(gpu, &mut self.lists, 4 * (1 + 2 * n_tiles));
+        fit(gpu, &mut self.entries, 8 * n_entries);
         let uniform = HeadLook {
             world_from_head: Mat4::from(input.world_from_head).to_cols_array_2d(),
             albedo: input.look.skin_colour,
@@ -126,66 +188,108 @@ impl HeadPass {
             roots: if input.has_hair { input.look.root_shadow } else { 0.0 },
             overlay: self.overlay.shown().map_or(0.0, |overlay| 255.0 / f32::from(overlay.full_texel.max(1))),
             supersampling: input.supersampling,
+            n_triangles,
+            n_entries: n_entries as u32,
+            pad: [0; 2],
         };
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&uniform));
+    }
 
-        let targets = input.targets;
-        {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("head"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: &targets.head_samples,
-                    depth_slice: None,
-                    resolve_target: Some(&targets.head_normal),
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                        store: wgpu::StoreOp::Discard,
-                    },
-                })],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &targets.head_depth_samples,
-                    depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Store }),
-                    stencil_ops: None,
-                }),
-                ..wgpu::RenderPassDescriptor::default()
-            });
-            if let (true, Some(mesh)) = (input.is_shown, &self.mesh) {
-                let bindings = self.draw.bind(
-                    gpu,
-                    &[
-                        ("view", input.view.as_entire_binding()),
-                        ("head_look", self.look.as_entire_binding()),
-                        ("head_positions", mesh.positions.as_entire_binding()),
-                        ("head_normals", mesh.normals.as_entire_binding()),
-                        ("head_indices", mesh.indices.as_entire_binding()),
-                        ("head_scalp", mesh.scalp.as_entire_binding()),
-                        ("head_map_places", mesh.map_places.as_entire_binding()),
-                        ("head_overlay", wgpu::BindingResource::TextureView(&self.overlay.view)),
-                    ],
-                )?;
-                self.draw.draw(&mut pass, &bindings, mesh.n_indices);
-            }
-        }
+    /// Normals and depth, and what hair is hidden by.
+    fn record_surface(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &HeadInput<'_>,
+    ) -> Result<(), ShaderError> {
+        self.surface.refresh(library, |library| Surface::new(gpu, library));
         encoder.clear_buffer(input.tile_backs, 0, None);
+        encoder.clear_buffer(&self.lists, 0, None);
+        let targets = input.targets;
+        let mut resources = vec![
+            ("view", input.view.as_entire_binding()),
+            ("head_look", self.look.as_entire_binding()),
+            ("head_lists", self.lists.as_entire_binding()),
+            ("head_entries", self.entries.as_entire_binding()),
+            ("head_overlay", wgpu::BindingResource::TextureView(&self.overlay.view)),
+            ("head_normal", wgpu::BindingResource::TextureView(&targets.head_normal)),
+            ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
+            ("tile_backs", input.tile_backs.as_entire_binding()),
+        ];
+        // Something is bound where there is no mesh.
+        let of_mesh =
+            self.mesh.as_ref().map_or([&self.lists; 3], |mesh| [&mesh.vertices, &mesh.indices, &mesh.triangles]);
+        for (name, buffer) in ["head_vertices", "head_indices", "head_triangles"].into_iter().zip(of_mesh) {
+            resources.push((name, buffer.as_entire_binding()));
+        }
+        let Surface { bin, surface } = &*self.surface;
+        let filled = match &self.mesh {
+            Some(mesh) if input.is_shown => Some((bin.bind_used(gpu, &resources)?, mesh.n_triangles)),
+            Some(_) | None => None,
+        };
+        let drawn = surface.bind_used(gpu, &resources)?;
+        let mut pass =
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("head"), timestamp_writes: None });
+        if let Some((bindings, n_triangles)) = &filled {
+            bin.dispatch_items(&mut pass, bindings, *n_triangles);
+        }
+        surface.dispatch(&mut pass, &drawn, groups_of(targets));
+        Ok(())
+    }
+
+    /// Light on what was drawn.
+    fn record_shade(
+        &mut self,
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &HeadInput<'_>,
+    ) -> Result<(), ShaderError> {
+        let (targets, shadowing) = (input.targets, input.look.shadowing);
+        let make_shade =
+            |library: &ShaderLibrary| library.kernel(gpu, "head_shade", "shade_head", &[], &slot::shadowing(shadowing));
+        if let Some(kernel) = self.shade.get_mut(&shadowing) {
+            kernel.refresh(library, make_shade);
+        } else {
+            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
+        }
         let kernel = &self.shade[&shadowing];
         let mut resources = vec![
             ("view", input.view.as_entire_binding()),
             ("head_look", self.look.as_entire_binding()),
-            ("head_samples", wgpu::BindingResource::TextureView(&targets.head_depth_samples)),
             ("head_normal", wgpu::BindingResource::TextureView(&targets.head_normal)),
             ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
             ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
-            ("tile_backs", input.tile_backs.as_entire_binding()),
         ];
         resources.extend(input.scene.resources());
         resources.extend(input.shadow.resources());
         let bindings = kernel.bind_used(gpu, &resources)?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("head.shade"), timestamp_writes: None });
-        let [width, height] = targets.size;
-        kernel.dispatch(&mut pass, &bindings, [width.div_ceil(8), height.div_ceil(8), 1]);
+        kernel.dispatch(&mut pass, &bindings, groups_of(targets));
         Ok(())
     }
+}
+
+/// A group of threads for each tile of the picture.
+fn groups_of(targets: &Targets) -> [u32; 3] {
+    let [width, height] = targets.size;
+    [width.div_ceil(TILE), height.div_ceil(TILE), 1]
+}
+
+fn vertices_of(mesh: &TriMesh) -> Vec<HeadVertex> {
+    let (normals, scalp, places) = (mesh.vertex_normals(), scalp_of(mesh), map_places_of(mesh));
+    (mesh.positions.iter().zip(normals.iter()).zip(scalp).zip(places))
+        .map(|(((position, normal), scalp), [u, v, is_painted])| HeadVertex {
+            position: position.to_array(),
+            scalp,
+            normal: normal.to_array(),
+            is_painted,
+            map_place: [u, v],
+            pad: [0.0; 2],
+        })
+        .collect()
 }
 
 /// Centimetres from the hairline over which skin becomes scalp.
@@ -225,25 +329,4 @@ fn scalp_of(mesh: &TriMesh) -> Vec<f32> {
         scalp[v as usize] = x * x * (3.0 - 2.0 * x);
     }
     scalp
-}
-
-fn make_draw(gpu: &Gpu, library: &ShaderLibrary) -> Result<Draw, ShaderError> {
-    library.draw(
-        gpu,
-        "head",
-        &DrawDescriptor {
-            vertex: "vertex",
-            fragment: Some("fragment"),
-            targets: &[Some(COLOUR.into())],
-            depth: Some(wgpu::DepthStencilState {
-                format: DEPTH,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Less),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: N_SAMPLES, ..wgpu::MultisampleState::default() },
-            ..DrawDescriptor::default()
-        },
-    )
 }

@@ -29,5 +29,6 @@ pub mod white_balance;
 
 pub use bound::Bound;
 pub use frame::FrameInput;
+pub use head::TooManyTriangles;
 pub use raster::TooManyVertices;
 pub use renderer::{FrameStatistics, Pixels, RenderError, Renderer};

@@ -1,6 +1,6 @@
 //! A painted map shown on the scalp: its texels on the GPU, and the colours of its values.
 //!
-//! Only tiles that changed are sent. The head's pass draws it (head.wgsl, head_shade.wgsl), so that hair, light
+//! Only tiles that changed are sent. The head's pass draws it (head_surface.wgsl, head_shade.wgsl), so that hair, light
 //! and the head's outline are the picture's own.
 
 use std::sync::Arc;

@@ -65,9 +65,9 @@ impl Renderer {
                 }
             })
             .collect();
-        let depth: Vec<f32> = bytemuck::pod_collect_to_vec(&self.read_texture(self.targets.head_depth.texture(), 4)?);
-        let head = halves(&self.read_texture(self.targets.head_colour.texture(), 8)?);
-        let coverage: Vec<f32> = head.iter().map(|pixel| pixel[3] as f32).collect();
+        let head: Vec<[f32; 2]> =
+            bytemuck::pod_collect_to_vec(&self.read_texture(self.targets.head_depth.texture(), 8)?);
+        let (depth, coverage): (Vec<f32>, Vec<f32>) = head.iter().map(|&[depth, coverage]| (depth, coverage)).unzip();
         let size = self.targets.size;
         Ok(composite(
             &layers,

@@ -16,7 +16,7 @@ use crate::false_colour::{FalseColourInput, FalseColourPass, drawn_look};
 use crate::fragments::{Blended, FragmentInput, Fragments, Resources, TooWide, Way, way};
 use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
-use crate::head::{HeadInput, HeadPass};
+use crate::head::{HeadInput, HeadPass, TooManyTriangles};
 use crate::inspect::{InspectError, InspectInput, Inspection, Inspector};
 use crate::mirror::{Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
@@ -42,6 +42,8 @@ pub enum RenderError {
     TooManyVertices(#[from] TooManyVertices),
     #[error(transparent)]
     TooManyTiles(#[from] TooManyTiles),
+    #[error(transparent)]
+    TooManyTriangles(#[from] TooManyTriangles),
     #[error(transparent)]
     TooWide(#[from] TooWide),
     #[error("a picture of {width} x {height} pixels cannot be made on this GPU; each side must be from 1 to {most}")]
@@ -170,6 +172,9 @@ impl Renderer {
         let is_new_shape = self.groom.as_ref().is_none_or(|old| {
             old.layers.len() != groom.layers.len() || old.layers.iter().zip(&groom.layers).any(|(a, b)| differ(a, b))
         });
+        if let Some(head) = groom.head.as_ref().filter(|_| is_new_head) {
+            HeadPass::check(&self.gpu, &head.mesh)?;
+        }
         let warnings = self.generator.set_bound(&self.gpu, groom, bound)?;
         if is_new_head {
             let mesh = groom.head.as_ref().map(|head| &*head.mesh);
@@ -322,9 +327,14 @@ impl Renderer {
                 .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("generate"), timestamp_writes: None });
             self.generator.record(&mut pass, &prepared);
         });
-        profile.pass("shadow", encoder, |encoder| {
+        profile.pass("shadow.head", encoder, |encoder| {
             if !has_shadows {
-                self.shadow.record(encoder, &shadow_input);
+                self.shadow.record_head(encoder, &shadow_input);
+            }
+        });
+        profile.pass("shadow.hair", encoder, |encoder| {
+            if !has_shadows {
+                self.shadow.record_hair(encoder, &shadow_input);
             }
         });
         let false_colours = FalseColourInput {
@@ -344,21 +354,19 @@ impl Renderer {
         }
 
         // The head, and the depth that hair is hidden by.
-        profile.pass("head", encoder, |encoder| {
-            let input = HeadInput {
-                look,
-                world_from_head: input.world_from_head,
-                is_shown: is_head_shown,
-                has_hair: strands.layers.iter().any(|layer| layer.n_strands > 0),
-                view: &self.view,
-                tile_backs: &self.raster.segments.tile_backs,
-                supersampling,
-                targets: &self.targets,
-                scene: &self.scene,
-                shadow: &self.shadow,
-            };
-            self.head.record(gpu, library, encoder, &input)
-        })?;
+        let head_input = HeadInput {
+            look,
+            world_from_head: input.world_from_head,
+            is_shown: is_head_shown,
+            has_hair: strands.layers.iter().any(|layer| layer.n_strands > 0),
+            view: &self.view,
+            tile_backs: &self.raster.segments.tile_backs,
+            supersampling,
+            targets: &self.targets,
+            scene: &self.scene,
+            shadow: &self.shadow,
+        };
+        self.head.record(gpu, library, encoder, profile, &head_input)?;
 
         if !look.view.is_light() {
             let count = &mut self.false_colours;
@@ -527,8 +535,8 @@ impl Renderer {
     pub fn statistics(&self) -> FrameStatistics {
         let strands = self.generator.strands();
         let [width, height] = self.targets.size.map(u64::from);
-        // Four samples of normals (8 bytes) and depth (4), and one of each resolved texture (8 + 8 + 4 + 8 + 4).
-        let targets = width * height * (4 * 12 + 32);
+        // Normals, colour and depth of the head, hair (8 each) and the picture (4).
+        let targets = width * height * 36;
         let n_fine = u64::from(self.targets.supersampling).pow(2);
         let n_drawing_bytes = if n_fine > 1 { width * height * 8 * n_fine } else { 0 }
             + match self.groom.as_ref().map(|groom| drawn_as(&groom.look)) {
@@ -544,6 +552,7 @@ impl Renderer {
             n_bytes: targets
                 + self.generator.mirror().n_bytes()
                 + self.shade.radiance().size()
+                + self.head.n_bytes()
                 + self.shadow.n_bytes()
                 + self.raster.n_bytes()
                 + self.blended.n_bytes()

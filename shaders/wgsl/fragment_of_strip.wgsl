@@ -2,13 +2,12 @@
 #define_import_path lorelei::fragment_of_strip
 #import lorelei::fragment::{Fragment, band}
 #import lorelei::raster_frame::{raster, raster_layers}
-#import lorelei::radiance::{fibre_radiance}
+#import lorelei::radiance::{segment_radiance, fibre_radiance}
 #import lorelei::cover_of::{Cover}
 #import lorelei::strands::{seeds}
 
 // View depth in centimetres of the head, and the share of the pixel that it covers.
 @group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
 
 // Whose vertex it is: the strand's index among all, and the vertex's in the strand.
 fn owner_of(vertex: u32) -> vec2<u32> {
@@ -24,10 +23,10 @@ fn owner_of(vertex: u32) -> vec2<u32> {
 
 // `t` along the segment, `across` its fibre (see strands.wgsl), `segment_cm` its length; alpha is 0 where the head hides it.
 fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u32>, depth: f32, cover: Cover) -> Fragment {
-    let fibre = fibre_radiance(vertex, t, across);
+    let fibre = fibre_radiance(segment_radiance(vertex), t, across);
     let surface = pixel / raster.supersampling;
-    let is_behind = depth > textureLoad(head_depth, surface, 0).x;
-    let open = select(1.0, 1.0 - textureLoad(head_colour, surface, 0).w, is_behind);
+    let head = textureLoad(head_depth, surface, 0);
+    let open = select(1.0, 1.0 - head.y, depth > head.x);
     let owner = owner_of(vertex);
     var fragment: Fragment;
     fragment.place = (pixel.y - band.first_row) * raster.view.size.x + pixel.x;

@@ -1,39 +1,13 @@
-// The head, lit once a pixel: skin under the same lights as the hair, softly glossy. And its depth, from four samples to one
-// value a pixel, with the depth behind which a whole tile is head.
-//
-// Lit here and not where triangles are drawn: a GPU made for computing has few units that can draw, and the lookups
-// of three lights' shadows took 4.6 ms there on an H200.
-#import lorelei::camera::{View}
-#import lorelei::tile::{TILE}
+// The head, lit once a pixel: skin under the same lights as the hair, softly glossy.
+#import lorelei::head_frame::{view, head_look}
 #import lorelei::shade_lights::{scene, arriving}
 #import lorelei::shadow::{light_visibility}
 
-struct HeadLook {
-    world_from_head: mat4x4<f32>,
-    albedo: vec3<f32>,
-    // Weight of the surface's reflection: 1 is skin's.
-    gloss: f32,
-    // How far around the border of a light red light creeps, as a cosine.
-    softness: f32,
-    // How much of the light that scalp would send back hair roots and their shadows keep.
-    roots: f32,
-    // How many times a painted map's texels are scaled up to be shown; 0: none is shown.
-    overlay: f32,
-    // Pixels of the rasteriser for one of the head, along a side.
-    supersampling: u32,
-}
-
-@group(0) @binding(auto) var<uniform> view: View;
-@group(0) @binding(auto) var<uniform> head_look: HeadLook;
-@group(0) @binding(auto) var head_samples: texture_depth_multisampled_2d;
+// See head_surface.wgsl.
+@group(0) @binding(auto) var head_depth: texture_2d<f32>;
 @group(0) @binding(auto) var head_normal: texture_2d<f32>;
-// Mean view depth of the samples that hit the head, cm; NO_HEAD elsewhere.
-@group(0) @binding(auto) var head_depth: texture_storage_2d<r32float, write>;
 @group(0) @binding(auto) var head_colour: texture_storage_2d<rgba16float, write>;
-// Bits of the farthest depth in each of the rasteriser's tiles, 0 before the frame.
-@group(0) @binding(auto) var<storage, read_write> tile_backs: array<atomic<u32>>;
 
-const NO_HEAD: f32 = 1e30;
 const INV_PI: f32 = 0.31830988618379067;
 // Light that enters skin leaves it some millimetres away, red light the farthest: scattering distances of Caucasian
 // skin are about 3.7, 1.4 and 0.7 mm (Jensen et al. 2001, table 1, as mean free paths of the reduced medium).
@@ -103,41 +77,17 @@ fn shade_head(
     if any(id.xy >= view.size) {
         return;
     }
-    var sum = 0.0;
-    var n_hit = 0.0;
-    for (var k = 0; k < 4; k++) {
-        let sample = textureLoad(head_samples, id.xy, k);
-        if sample < 1.0 {
-            // The inverse of a perspective with depth 0 at `near` and 1 at `far`.
-            sum += view.near * view.far / (view.far - sample * (view.far - view.near));
-            n_hit += 1.0;
-        }
-    }
-    let depth = select(NO_HEAD, sum / max(n_hit, 1.0), n_hit > 0.0);
-    textureStore(head_depth, id.xy, vec4<f32>(depth));
-    let back = bitcast<u32>(select(NO_HEAD, depth, n_hit == 4.0));
-    let n = head_look.supersampling;
-    let n_columns = (view.size.x * n + u32(TILE) - 1u) / u32(TILE);
-    let first = id.xy * n / u32(TILE);
-    let last = (id.xy * n + n - 1u) / u32(TILE);
-    for (var row = first.y; row <= last.y; row++) {
-        for (var column = first.x; column <= last.x; column++) {
-            let tile_idx = row * n_columns + column;
-            if back > atomicLoad(&tile_backs[tile_idx]) {
-                atomicMax(&tile_backs[tile_idx], back);
-            }
-        }
-    }
-    if n_hit == 0.0 {
+    let surface = textureLoad(head_depth, id.xy, 0).xy;
+    let coverage = surface.y;
+    if coverage == 0.0 {
         textureStore(head_colour, id.xy, vec4<f32>(0.0));
         return;
     }
     // Compute the world position on the ray through the pixel: the rows of the view's rotation are its axes.
     let off = (vec2<f32>(id.xy) + 0.5 - 0.5 * vec2<f32>(view.size)) / view.pixels_per_tangent;
     let rotation = transpose(mat3x3<f32>(view.view_from_world[0].xyz, view.view_from_world[1].xyz, view.view_from_world[2].xyz));
-    let position = view.eye + depth * (rotation * vec3<f32>(off.x, -off.y, -1.0));
+    let position = view.eye + surface.x * (rotation * vec3<f32>(off.x, -off.y, -1.0));
     let resolved = textureLoad(head_normal, id.xy, 0);
-    let coverage = 0.25 * n_hit;
     let normal = resolved.xyz * inverseSqrt(max(dot(resolved.xyz, resolved.xyz), 1e-12));
     let w = resolved.w / coverage;
     if head_look.overlay > 0.0 && w > 0.5 {

@@ -42,8 +42,8 @@ fn nearness(a: u32) -> Near {
     near.distance = distance(at, pa.xy + near.along * step);
     near.depth = mix(pa.z, pb.z, near.along);
     let half_width = mix(vertices[a].w, vertices[a + 1u].w, near.along) * view.pixels_per_tangent / near.depth;
-    let behind = near.depth > textureLoad(head_depth, inspect_layer.pixel, 0).x;
-    let hidden = behind && textureLoad(head_colour, inspect_layer.pixel, 0).w > 0.5;
+    let head = textureLoad(head_depth, inspect_layer.pixel, 0);
+    let hidden = near.depth > head.x && head.y > 0.5;
     let in_front = pa.z > view.near && pb.z > view.near;
     near.is_near = in_front && !hidden && near.distance <= half_width + inspect_layer.reach;
     return near;

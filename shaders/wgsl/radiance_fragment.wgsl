@@ -6,7 +6,16 @@
 #import lorelei::shade_point::{shade_point}
 #import lorelei::strands::{vertices, seeds}
 
-fn fibre_radiance(vertex: u32, t: f32, across: f32) -> vec4<f32> {
+struct SegmentRadiance {
+    vertex: u32,
+}
+
+fn segment_radiance(vertex: u32) -> SegmentRadiance {
+    return SegmentRadiance(vertex);
+}
+
+fn fibre_radiance(segment: SegmentRadiance, t: f32, across: f32) -> vec4<f32> {
+    let vertex = segment.vertex;
     let layer = layer_of_vertex(vertex);
     let n = fibres[layer].vertices_per_strand;
     let idx = vertex - fibres[layer].first_vertex;

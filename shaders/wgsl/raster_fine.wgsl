@@ -8,10 +8,10 @@
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_place}
 #import lorelei::coverage::{strip_of}
 #import lorelei::cover_of::{cover_of_strip}
-#import lorelei::radiance::{fibre_radiance}
+#import lorelei::radiance::{segment_radiance, fibre_radiance}
 #import lorelei::strands::{offset_of}
 #import lorelei::raster_blend::{Blend, BlendScale, N_OPEN, N_STEP, blend_scale, blend_clear, blend_add, blend_close, blend_is_done, blend_colour}
-#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, VERTEX}
+#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, hair, VERTEX}
 
 const SIDE: i32 = i32(TILE);
 // Threads that share a segment.
@@ -41,6 +41,7 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
     let strides = select(vec2<u32>(1u, u32(SIDE)), vec2<u32>(u32(SIDE), 1u), is_steep);
     let lane = select(0u, u32(SIDE), is_steep);
     let across = strip.half_width + strip.reach;
+    let shaded = segment_radiance(vertex);
     let end = 0.5 * strip.a;
     let ends = u.x * vec2<f32>(-end, strip.length + end);
     let slack = across * abs(u.y);
@@ -70,7 +71,7 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
                 continue;
             }
             let half_width = mix(strip.half_widths.x, strip.half_widths.y, t);
-            let fibre = fibre_radiance(vertex, t, offset_of(side * place.y, half_width));
+            let fibre = fibre_radiance(shaded, t, offset_of(side * place.y, half_width));
             let coverage = area * fibre.w;
             let depth = mix(span.y, span.z, t);
             var open = 1.0;
@@ -113,7 +114,8 @@ fn fine(
     workgroupBarrier();
     var surface = vec2<f32>(0.0);
     if is_inside {
-        surface = vec2<f32>(textureLoad(head_depth, pixel / raster.supersampling, 0).x, 1.0 - textureLoad(head_colour, pixel / raster.supersampling, 0).w);
+        let head = textureLoad(head_depth, pixel / raster.supersampling, 0);
+        surface = vec2<f32>(head.x, 1.0 - head.y);
         atomicMin(&nearest_surface, bitcast<u32>(surface.x));
     }
     surfaces[local_idx] = surface;

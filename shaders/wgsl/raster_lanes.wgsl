@@ -11,7 +11,7 @@
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_end}
 #import lorelei::coverage::{strip_of, thin_across, wide_across}
 #import lorelei::raster_lane_blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
-#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, head_colour, hair, unpacked, VERTEX}
+#import lorelei::raster_list::{round, tiles, totals, tile_list, bucket_ends, fronts, entries, lines, spans, head_depth, hair, unpacked, VERTEX}
 
 const SIDE: u32 = 8u;
 
@@ -123,7 +123,8 @@ fn close(rows: ptr<function, Rows>) -> bool {
 fn surface_at(pixel: vec2<u32>) -> vec2<f32> {
     // Pixels beyond the picture are drawn and thrown away.
     let inside = min(pixel, raster.view.size - 1u) / raster.supersampling;
-    return vec2<f32>(textureLoad(head_depth, inside, 0).x, 1.0 - textureLoad(head_colour, inside, 0).w);
+    let head = textureLoad(head_depth, inside, 0);
+    return vec2<f32>(head.x, 1.0 - head.y);
 }
 
 @compute @workgroup_size(8)

@@ -17,8 +17,8 @@ struct Round { round: u32 }
 @group(0) @binding(auto) var<storage, read> spans: array<vec4<f32>>;
 // Four half floats a vertex: outgoing radiance and the fibre's opacity.
 @group(0) @binding(auto) var<storage, read> radiance: array<vec2<u32>>;
+// View depth of the head, and the share of the pixel that it covers.
 @group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
 @group(0) @binding(auto) var hair: texture_storage_2d<rgba16float, write>;
 
 const VERTEX: u32 = (1u << ENTRY_BITS) - 1u;

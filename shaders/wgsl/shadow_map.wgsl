@@ -50,6 +50,8 @@ struct ShadowParams {
     pad: u32,
     // Where the layers begin, cm behind the front: d_0 = 0, d_1, .. The last one's end is the one after it.
     layer_starts: array<vec4<f32>, 4>,
+    // 1 / thickness of each.
+    layer_rates: array<vec4<f32>, 4>,
 }
 
 const BEYOND_LAST_LAYER: u32 = 0u;
@@ -95,20 +97,12 @@ fn layer_start(k: u32) -> f32 {
 
 // Where a depth behind the front lies among the layers: k at the start of layer k, in between by depth, since there
 // opacity grows with it; the number of layers at the end of the last one.
+//
+// All layers in turn and not a search: threads side by side then read the same numbers, and wait for none.
 fn layer_of(behind: f32) -> f32 {
-    if behind <= 0.0 {
-        return 0.0;
+    var layer = 0.0;
+    for (var k = 0u; k < shadow_params.n_parts; k++) {
+        layer += saturate((behind - layer_start(k)) * shadow_params.layer_rates[k / 4u][k % 4u]);
     }
-    var k = 0u;
-    for (var step = 8u; step > 0u; step /= 2u) {
-        let next = k + step;
-        if next <= shadow_params.n_parts && behind >= layer_start(min(next, 15u)) {
-            k = next;
-        }
-    }
-    if k >= shadow_params.n_parts {
-        return f32(shadow_params.n_parts);
-    }
-    let start = layer_start(k);
-    return f32(k) + (behind - start) / (layer_start(k + 1u) - start);
+    return layer;
 }

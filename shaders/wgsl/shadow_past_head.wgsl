@@ -1,8 +1,9 @@
 // Whether the head stands between a light and a place: look-ups of the depth map of the head.
 #define_import_path lorelei::shadow_past_head
-#import lorelei::shadow_map::{shadow_params, shadow_lights, map_place}
+#import lorelei::shadow_map::{shadow_params, shadow_lights, map_place, texel_index, front_depth}
 
-@group(0) @binding(auto) var shadow_head: texture_depth_2d_array;
+// See shadow_head.wgsl.
+@group(0) @binding(auto) var<storage, read> shadow_head: array<u32>;
 
 // Centimetres that hair or skin must lie behind the head's front before it is in its shadow, and over which the
 // shadow comes: the map's texels are about 0.06 cm and see a surface at up to 60 degrees, and hair roots lie on it.
@@ -18,9 +19,7 @@ fn is_unmapped(light_idx: u32, place: vec4<f32>) -> bool {
 
 // Depth of the head's front in cm at a texel.
 fn head_front(light_idx: u32, texel: vec2<i32>) -> f32 {
-    let clamped = clamp(texel, vec2<i32>(0), vec2<i32>(i32(shadow_params.resolution) - 1));
-    let near = shadow_lights[light_idx].near;
-    return mix(near, shadow_lights[light_idx].far, textureLoad(shadow_head, clamped, i32(light_idx), 0));
+    return front_depth(shadow_head[texel_index(light_idx, texel)]);
 }
 
 fn past_head(light_idx: u32, texel: vec2<i32>, depth: f32) -> f32 {

@@ -1,6 +1,6 @@
 // The geometry pass that all shadow maps are built by: one thread a segment, for each light stepping along the segment's
 // longer axis over the texels of its map. What is done to a texel is the slot `shadow_sink`.
-#import lorelei::shadow_map::{ShadowLight, shadow_params, shadow_lights, map_place, texel_index}
+#import lorelei::shadow_map::{ShadowLight, shadow_params, shadow_lights, map_place, texel_index, front_depth}
 #import lorelei::shadow_sink::{sink}
 
 struct ShadowLayer {
@@ -14,7 +14,7 @@ struct ShadowLayer {
 @group(0) @binding(auto) var<uniform> shadow_layer: ShadowLayer;
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
 // What of the head each light sees.
-@group(0) @binding(auto) var shadow_head: texture_depth_2d_array;
+@group(0) @binding(auto) var<storage, read> shadow_head: array<u32>;
 
 // Centimetres behind the head's front from which hair is on the far side, and not lying on the skin.
 const FAR_SIDE: f32 = 1.0;
@@ -26,11 +26,11 @@ fn deposit(light_idx: u32, texel: vec2<i32>, depth: f32, opacity: f32) {
     }
     // Hair that the head hides from the light casts nothing that the head does not, but it would fall into the last
     // layer and darken skin that lies in front of it.
-    let head = mix(shadow_lights[light_idx].near, shadow_lights[light_idx].far, textureLoad(shadow_head, texel, light_idx, 0));
-    if depth > head + FAR_SIDE && head < shadow_lights[light_idx].far {
+    let at = texel_index(light_idx, texel);
+    if depth > front_depth(shadow_head[at]) + FAR_SIDE {
         return;
     }
-    sink(light_idx, texel_index(light_idx, texel), depth, opacity);
+    sink(light_idx, at, depth, opacity);
 }
 
 fn rasterise(light_idx: u32, light: ShadowLight, root: vec4<f32>, tip: vec4<f32>) {

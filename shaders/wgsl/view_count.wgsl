@@ -16,7 +16,6 @@ struct ViewLayer {
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
 // View depth in centimetres of the head, and the share of the pixel that it covers.
 @group(0) @binding(auto) var head_depth: texture_2d<f32>;
-@group(0) @binding(auto) var head_colour: texture_2d<f32>;
 
 struct Corner {
     @builtin(position) position: vec4<f32>,
@@ -58,8 +57,8 @@ fn strip(@builtin(vertex_index) corner_idx: u32) -> Corner {
 fn count(in: Corner) -> @location(0) vec4<f32> {
     let pixel = vec2<i32>(in.position.xy);
     let coverage = clamp(min(in.across + 0.5, in.half_width) - max(in.across - 0.5, -in.half_width), 0.0, 1.0);
-    let behind = in.depth > textureLoad(head_depth, pixel, 0).x;
-    let open = select(1.0, 1.0 - textureLoad(head_colour, pixel, 0).a, behind);
+    let head = textureLoad(head_depth, pixel, 0);
+    let open = select(1.0, 1.0 - head.y, in.depth > head.x);
     let touches = select(0.0, 1.0, coverage > 0.0);
     return vec4<f32>(touches * open, coverage * open, 0.0, 0.0);
 }

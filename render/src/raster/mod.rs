@@ -35,7 +35,7 @@ use kernels::Kernels;
 pub(crate) use kernels::Threads;
 
 /// Side of a tile in pixels: twin of tile.wgsl.
-const TILE: u32 = 8;
+pub(crate) const TILE: u32 = 8;
 /// Twins of `N_BUCKETS` and `N_BINS`.
 const N_BUCKETS: u64 = 32;
 const N_BINS: u64 = 128;

@@ -28,7 +28,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 use lorelei_core::look::{ShadowParams, Shadowing};
 use lorelei_core::mesh::TriMesh;
-use lorelei_shaders::{Bindings, Draw, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
+use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 use wgpu::BufferUsages;
 
 use crate::mirror::{DrawnLayer, StrandBuffers};
@@ -65,7 +65,7 @@ pub struct ShadowInput<'a> {
 }
 
 struct Kernels {
-    head: Draw,
+    head: Kernel,
     /// Of each step of the plan.
     steps: Vec<Kernel>,
 }
@@ -105,7 +105,7 @@ struct Bound {
     layers: Vec<wgpu::Buffer>,
     /// Of each step: one for each layer where it walks strands, else one.
     steps: Vec<Vec<Bindings>>,
-    heads: Vec<Bindings>,
+    head: Option<Bindings>,
 }
 
 /// The shadow pass with its maps.
@@ -162,7 +162,7 @@ impl Shadow {
         if let Some(made) = &self.made {
             resources.extend([
                 ("shadow_lights", made.lights.as_entire_binding()),
-                ("shadow_head", wgpu::BindingResource::TextureView(&made.head.view)),
+                ("shadow_head", made.head.fronts.as_entire_binding()),
             ]);
             let named = made.plan.buffers.iter().zip(&made.buffers);
             resources.extend(named.map(|(words, buffer)| (words.name, buffer.as_entire_binding())));
@@ -205,7 +205,7 @@ impl Shadow {
             .map(|(light, &casts)| ShadowLight::new(light, casts, input.ball, input.world_from_head, size.resolution))
             .collect();
         gpu.queue.write_buffer(&made.lights, 0, bytemuck::cast_slice(&lights));
-        made.head.place(gpu, input.world_from_head);
+        made.head.place(gpu, self.head.as_ref(), input.world_from_head);
         if self.bound.as_ref().is_none_or(|bound| bound.is_stale(strands)) {
             self.bound = Some(self.bind(gpu, made, strands)?);
         }
@@ -286,16 +286,28 @@ impl Shadow {
         };
         let steps: Result<Vec<Vec<Bindings>>, ShaderError> =
             made.plan.steps.iter().zip(&made.kernels.steps).map(bind).collect();
-        let heads = match &self.head {
-            Some(mesh) => made.head.bind(gpu, &made.kernels.head, mesh, &shared)?,
-            None => Vec::new(),
-        };
+        let mesh = self.head.as_ref();
+        let head = mesh.map(|mesh| made.head.bind(gpu, &made.kernels.head, mesh, &shared)).transpose()?;
         let steps = steps?;
-        Ok(Bound { strands_generation: strands.generation, layers, steps, heads })
+        Ok(Bound { strands_generation: strands.generation, layers, steps, head })
     }
 
     /// Record the passes. Nothing where shadowing is off.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, input: &ShadowInput<'_>) {
+        self.record_head(encoder, input);
+        self.record_hair(encoder, input);
+    }
+
+    /// What of the head each light sees. First of the passes: hair that the head hides from a light stays out of that
+    /// light's map.
+    pub fn record_head(&self, encoder: &mut wgpu::CommandEncoder, input: &ShadowInput<'_>) {
+        let (Some(made), Some(bound)) = (&self.made, &self.bound) else { return };
+        let drawn = self.head.as_ref().zip(bound.head.as_ref()).filter(|_| input.head_casts);
+        made.head.record(encoder, &made.kernels.head, drawn);
+    }
+
+    /// The technique's own passes.
+    pub fn record_hair(&self, encoder: &mut wgpu::CommandEncoder, input: &ShadowInput<'_>) {
         let (Some(made), Some(bound)) = (&self.made, &self.bound) else { return };
         let n_lights = input.lights.lights.len() as u32;
         if n_lights == 0 {
@@ -304,10 +316,6 @@ impl Shadow {
         for (words, buffer) in made.plan.buffers.iter().zip(&made.buffers).filter(|(words, _)| words.clear) {
             encoder.clear_buffer(buffer, 0, Some((4 * words.n).next_multiple_of(4)));
         }
-        // The head first: hair that it hides from a light stays out of that light's map.
-        let casts =
-            |light_idx| input.head_casts && input.lights.casts_shadow.get(light_idx).is_some_and(|&casts| casts);
-        made.head.record(encoder, &made.kernels.head, self.head.as_ref(), &bound.heads, casts);
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("shadow"), timestamp_writes: None });
         for ((step, kernel), bindings) in made.plan.steps.iter().zip(&made.kernels.steps).zip(&bound.steps) {
@@ -346,7 +354,8 @@ fn fitting(gpu: &Gpu, input: &ShadowInput<'_>, params: &ShadowParams, scene: &Sc
     loop {
         let size = MapSize { resolution, n_lights };
         let plan = Plan::of(input.shadowing, params, size, scene)?;
-        let share = gpu.max_storage_binding() as f64 / plan.largest() as f64;
+        // Besides the plan's, a depth of the head for each texel.
+        let share = gpu.max_storage_binding() as f64 / plan.largest().max(4 * size.n_texels()) as f64;
         if share >= 1.0 || resolution == 8 {
             return Some((plan, size));
         }
@@ -373,5 +382,5 @@ fn make_kernels(gpu: &Gpu, library: &ShaderLibrary, steps: &[Step]) -> Result<Ke
         }
     };
     let steps: Result<Vec<Kernel>, ShaderError> = steps.iter().map(kernel).collect();
-    Ok(Kernels { head: head::make_draw(gpu, library)?, steps: steps? })
+    Ok(Kernels { head: head::make_kernel(gpu, library)?, steps: steps? })
 }

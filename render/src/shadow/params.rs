@@ -32,6 +32,7 @@ pub(super) struct Params {
     n_fragments: u32,
     pad: u32,
     layer_starts: [f32; 16],
+    layer_rates: [f32; 16],
 }
 
 /// Side in texels and number of the maps.
@@ -57,6 +58,7 @@ impl Params {
         world_from_head: Affine3A,
     ) -> Self {
         let (voxel_corner, voxels_per_cm) = grid(params.n_voxels, ball, world_from_head);
+        let layer_starts = layer_starts(params);
         let of_front = [Shadowing::ShadowMap, Shadowing::Exponential].contains(&shadowing);
         Self {
             resolution: size.resolution,
@@ -81,7 +83,10 @@ impl Params {
             n_steps: params.n_steps.max(1),
             n_fragments: n_fragments as u32,
             pad: 0,
-            layer_starts: layer_starts(params),
+            layer_starts,
+            layer_rates: std::array::from_fn(|k| {
+                layer_starts.get(k + 1).map_or(0.0, |end| 1.0 / (end - layer_starts[k]))
+            }),
         }
     }
 }
