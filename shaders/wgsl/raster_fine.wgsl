@@ -16,6 +16,8 @@
 const SIDE: i32 = i32(TILE);
 // Threads that share a segment.
 const N_PARTS: u32 = 2u;
+// Threads for each pixel: where many strands meet, tiles have lists of 100,000 segments.
+const N_DEEP: u32 = 4u;
 
 // For each pixel of the tile: depth of the head, and the share of the pixel that is open behind it.
 var<workgroup> surfaces: array<vec2<f32>, N_PIXELS>;
@@ -88,7 +90,7 @@ fn walk(entry: u32, part: u32, scale: BlendScale, first_bucket: u32, front: f32,
     }
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(8, 8, N_DEEP)
 fn fine(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
@@ -112,14 +114,18 @@ fn fine(
         atomicStore(&open_pixels[local_idx], (1u << u32(SIDE)) - 1u);
     }
     workgroupBarrier();
+    // The first of a pixel's threads composites it.
+    let is_first = local.z == 0u;
     var surface = vec2<f32>(0.0);
-    if is_inside {
+    if is_inside && is_first {
         let head = textureLoad(head_depth, pixel / raster.supersampling, 0);
         surface = vec2<f32>(head.x, 1.0 - head.y);
         atomicMin(&nearest_surface, bitcast<u32>(surface.x));
     }
-    surfaces[local_idx] = surface;
-    blend_clear(local_idx);
+    if is_first {
+        surfaces[local_idx] = surface;
+        blend_clear(local_idx);
+    }
     var blend = Blend();
     var is_open = true;
     let front = fronts[tile_idx];
@@ -134,12 +140,14 @@ fn fine(
         }
         is_idle = end == first;
         workgroupBarrier();
-        for (var k = first + local_idx / N_PARTS; k < end; k += N_PIXELS / N_PARTS) {
+        for (var k = first + local_idx / N_PARTS; k < end; k += N_DEEP * N_PIXELS / N_PARTS) {
             walk(entries[k], local_idx % N_PARTS, scale, bucket, front, tile_origin);
         }
         workgroupBarrier();
-        blend_close(&blend, scale, bucket, local_idx);
-        if is_open && (blend_is_done(blend) || !is_inside) {
+        if is_first {
+            blend_close(&blend, scale, bucket, local_idx);
+        }
+        if is_first && is_open && (blend_is_done(blend) || !is_inside) {
             is_open = false;
             atomicAnd(&open_pixels[local.x], ~(1u << local.y));
             atomicAnd(&open_pixels[u32(SIDE) + local.y], ~(1u << local.x));
@@ -154,7 +162,7 @@ fn fine(
             break;
         }
     }
-    if is_inside {
+    if is_inside && is_first {
         textureStore(hair, pixel, blend_colour(blend));
     }
 }

@@ -2,10 +2,15 @@
 #define_import_path lorelei::shadow_layers
 #import lorelei::shadow_map::{shadow_params, BEYOND_GROW, layer_start}
 
-// Numbers a texel: depth of the front in cm (NO_HAIR: none), the optical depth down to each layer's end, and where the
-// last layer grows, how far behind the front it ends.
+// Words a texel: bits of the front's depth in cm (NO_HAIR: none); then, two half floats a word, the optical depth down to each
+// layer's end, and where the last layer grows, how far behind the front it ends. Half floats, so that the maps of three
+// lights stay in a GPU's cache.
 fn n_filtered() -> u32 {
-    return shadow_params.n_parts + 1u + u32(shadow_params.beyond_last == BEYOND_GROW);
+    return 1u + (shadow_params.n_parts + u32(grows()) + 1u) / 2u;
+}
+
+fn grows() -> bool {
+    return shadow_params.beyond_last == BEYOND_GROW;
 }
 
 // Share of the last layer that is before a depth behind the front, where the layer ends at `end`.

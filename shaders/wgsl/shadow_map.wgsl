@@ -21,6 +21,7 @@ struct ShadowLight {
 }
 
 struct ShadowParams {
+    // A multiple of 8.
     resolution: u32,
     n_lights: u32,
     // Parts of a texel's depth: layers, slices.
@@ -74,11 +75,14 @@ fn map_place(light: ShadowLight, position: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(q.xy / q.w, q.z, q.w);
 }
 
-// A texel's place in what holds one thing for each texel and light; beyond the border the border's.
+// A texel's place in what holds one thing for each texel and light; beyond the border the border's. Squares of 8 x 8 texels
+// lie together, and in them those of 2 x 2: strands run in all directions, and look-ups are between four texels.
 fn texel_index(light_idx: u32, texel: vec2<i32>) -> u32 {
-    let resolution = i32(shadow_params.resolution);
-    let clamped = clamp(texel, vec2<i32>(0), vec2<i32>(resolution - 1));
-    return light_idx * shadow_params.resolution * shadow_params.resolution + u32(clamped.y * resolution + clamped.x);
+    let resolution = shadow_params.resolution;
+    let at = vec2<u32>(clamp(texel, vec2<i32>(0), vec2<i32>(i32(resolution) - 1)));
+    let square = (at.y / 8u) * (resolution / 8u) + at.x / 8u;
+    let inside = (at.y % 8u / 2u) * 16u + (at.x % 8u / 2u) * 4u + (at.y % 2u) * 2u + at.x % 2u;
+    return light_idx * resolution * resolution + square * 64u + inside;
 }
 
 // Bits of a front's depth: 0 is empty and the nearest is the largest.

@@ -11,7 +11,8 @@ use super::plan::{Plan, Step, Words};
 
 pub(super) fn plan(size: MapSize, n_layers: u32, beyond_last: BeyondLast) -> Plan {
     let (n_texels, grows) = (size.n_texels(), beyond_last == BeyondLast::Grow);
-    let n_filtered = u64::from(n_layers) + 1 + u64::from(grows);
+    // A word for the front, and half a word for each number behind it: twin of shadow_layers.wgsl.
+    let n_filtered = 1 + (u64::from(n_layers) + u64::from(grows)).div_ceil(2);
     let (mut buffers, range) = front::range(size);
     let first = if grows {
         range

@@ -350,7 +350,8 @@ fn most_casters(gpu: &Gpu, input: &ShadowInput<'_>, layers: &[DrawnLayer]) -> u3
 fn fitting(gpu: &Gpu, input: &ShadowInput<'_>, params: &ShadowParams, scene: &SceneSize) -> Option<(Plan, MapSize)> {
     let n_lights = input.lights.lights.len().max(1) as u32;
     let most_side = gpu.device.limits().max_texture_dimension_2d;
-    let mut resolution = params.resolution.clamp(8, most_side);
+    // Whole squares of texels: see `texel_index` of shadow_map.wgsl.
+    let mut resolution = params.resolution.clamp(8, most_side).next_multiple_of(8).min(most_side & !7);
     loop {
         let size = MapSize { resolution, n_lights };
         let plan = Plan::of(input.shadowing, params, size, scene)?;
