@@ -237,7 +237,6 @@ impl FalseColourPass {
                     ("view_layer", uniform.as_entire_binding()),
                     ("vertices", strands.vertices.as_entire_binding()),
                     ("head_depth", wgpu::BindingResource::TextureView(&input.targets.head_depth)),
-                    ("head_colour", wgpu::BindingResource::TextureView(&input.targets.head_colour)),
                 ],
             )?;
             count.draw(&mut pass, &bindings, 6 * layer.n_segments());

@@ -330,3 +330,7 @@ fn scalp_of(mesh: &TriMesh) -> Vec<f32> {
     }
     scalp
 }
+
+#[cfg(test)]
+#[path = "head_tests.rs"]
+mod tests;

@@ -380,7 +380,6 @@ impl Renderer {
             ("seeds", strands.seeds.as_entire_binding()),
             ("radiance", self.shade.radiance().as_entire_binding()),
             ("head_depth", wgpu::BindingResource::TextureView(&targets.head_depth)),
-            ("head_colour", wgpu::BindingResource::TextureView(&targets.head_colour)),
         ];
         let frame = self.raster.segments.clone();
         resources.extend(frame.frame_resources());

@@ -44,7 +44,7 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         adapter = text(&json, "adapter").unwrap_or_default();
         compute.add(&json, wall_ms, &["raster.count", "raster.scatter", "raster.fine", "raster.more_rounds"])?;
         let (json, wall_ms) = render(&["primitive=ribbons"])?;
-        ribbons.add(&json, wall_ms, &["ribbons"])?;
+        ribbons.add(&json, wall_ms, &["blended"])?;
     }
     println!("  adapter   {adapter}");
     for (what, compute, ribbons) in [
@@ -66,6 +66,12 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         ("whole process with all frames and the picture", compute.wall),
     ] {
         println!("  {} ms  {what}", Spread::of(times));
+    }
+
+    println!("Frames (lorelei measure frames):");
+    let measured = Command::new(binary("release", "lorelei")).args(["measure", "frames"]).status();
+    if !measured.is_ok_and(|status| status.success()) {
+        return Err("lorelei measure frames failed".to_owned());
     }
 
     println!("Work on a groom (lorelei measure grooming):");

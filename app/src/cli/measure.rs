@@ -22,6 +22,7 @@ use serde_json::{Value, json};
 
 use super::{CliError, print_line};
 
+mod frames;
 mod page;
 mod paint;
 mod shadowing;
@@ -33,13 +34,14 @@ pub struct MeasureArguments {
     #[arg(value_enum)]
     what: What,
     /// As JSON: an array of objects, of `grooming` {what, n, ms, note}; of `transparency` one object {adapter, size,
-    /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}.
+    /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
+    /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "")]
     pub(super) write: Option<std::path::PathBuf>,
-    /// Strands of each groom. Of `shadowing` (20,000 without it) and `transparency` (as many as the groom has).
+    /// Strands of each groom. Of `shadowing` (20,000 without it), `transparency` (as many as the groom has) and `frames`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(super) strands: Option<u32>,
     /// Only this technique, by its name in `lorelei looks`. Of `shadowing`.
@@ -52,6 +54,8 @@ pub struct MeasureArguments {
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum What {
+    /// A frame of the default groom on the GPU, part by part, for 20,000 to 500,000 strands at 1080p and 4K.
+    Frames,
     /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
     /// Transmittance of every shadow technique against the exact one, GPU times and bytes.
@@ -74,6 +78,7 @@ const N_ROUNDS: usize = 7;
 pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     let lines = match arguments.what {
         What::Grooming => grooming()?,
+        What::Frames => return frames::run(arguments),
         What::Shadowing => return shadowing::run(arguments),
         What::Transparency => return transparency::run(arguments),
     };

@@ -1,0 +1,250 @@
+//! `lorelei measure frames`: what a frame of the default groom takes on the GPU, part by part, for several strand counts and
+//! picture sizes.
+
+use std::fmt::Write;
+use std::time::{Duration, Instant};
+
+use glam::Affine3A;
+use lorelei_core::camera::Camera;
+use lorelei_core::groom::Groom;
+use lorelei_core::look::Primitive;
+use lorelei_render::{FrameInput, RenderError, Renderer};
+use lorelei_shaders::{Gpu, ShaderLibrary};
+use serde_json::{Value, json};
+
+use super::super::scene::set_strand_count;
+use super::super::{CliError, print_line};
+use super::{MeasureArguments, page};
+
+const PAGE: &str = "docs/frames-table.md";
+const STRANDS: [u32; 3] = [20_000, 100_000, 500_000];
+const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
+/// A software driver is told the first of each alone: it takes seconds a frame, and only ratios mean anything.
+const N_ON_SOFTWARE: usize = 1;
+/// Frames of which the median counts, and how long they are drawn at least: a GPU that waited takes a while to come back to
+/// its speed.
+const N_FRAMES: usize = 9;
+const LONG_ENOUGH: Duration = Duration::from_millis(300);
+
+/// Milliseconds of a frame's parts.
+#[derive(Debug, Clone, Copy, Default)]
+struct Parts {
+    generate: f64,
+    shadow: f64,
+    shade: f64,
+    head: f64,
+    /// Strands into pixels.
+    draw: f64,
+    /// The picture.
+    resolve: f64,
+}
+
+impl Parts {
+    fn of(passes: &[(String, f64)]) -> Self {
+        let mut parts = Self::default();
+        for (pass, ms) in passes {
+            let part = match pass.split('.').next().unwrap_or_default() {
+                "generate" => &mut parts.generate,
+                "shadow" => &mut parts.shadow,
+                "shade" | "view" => &mut parts.shade,
+                "head" => &mut parts.head,
+                "raster" | "blended" | "fragments" | "downsample" => &mut parts.draw,
+                _ => &mut parts.resolve,
+            };
+            *part += ms;
+        }
+        parts
+    }
+
+    fn all(&self) -> [f64; 6] {
+        [self.generate, self.shadow, self.shade, self.head, self.draw, self.resolve]
+    }
+
+    fn sum(&self) -> f64 {
+        self.all().iter().sum()
+    }
+}
+
+/// One groom in one size under so many lights.
+struct Row {
+    n_strands: u32,
+    n_vertices: u32,
+    size: [u32; 2],
+    n_lights: usize,
+    /// Everything made again; then while only the camera moves.
+    whole: Parts,
+    orbit: Parts,
+    /// Strands into pixels through the graphics pipeline, as sorted ribbons.
+    ribbons: Option<f64>,
+    n_bytes: u64,
+}
+
+pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
+    let gpu = Gpu::headless().map_err(CliError::failed)?;
+    let is_software = gpu.adapter_info.device_type == wgpu::DeviceType::Cpu;
+    let n = |all: usize| if is_software { N_ON_SOFTWARE } else { all };
+    let counts = arguments.strands.map_or_else(|| STRANDS[..n(STRANDS.len())].to_vec(), |n_strands| vec![n_strands]);
+    let (mut rows, mut notes) = (Vec::new(), Vec::new());
+    for n_strands in counts {
+        let mut groom = lorelei_assets::default_groom();
+        set_strand_count(&mut groom, n_strands);
+        let rig = groom.lights.clone();
+        let mut renderer = Renderer::new(&gpu, ShaderLibrary::embedded()).map_err(CliError::failed)?;
+        // What cannot be drawn on this GPU is told, and the rest goes on.
+        match renderer.set_groom(&groom) {
+            Ok(warnings) => notes.extend(warnings),
+            Err(why) => {
+                notes.push(format!("{n_strands} strands: {why}"));
+                continue;
+            }
+        }
+        for &size in &SIZES[..n(SIZES.len())] {
+            for n_lights in [1, rig.len()] {
+                groom.lights = rig[..n_lights].to_vec();
+                match measure(&mut renderer, &mut groom, size, is_software) {
+                    Ok(row) => rows.push(row),
+                    Err(why) => notes.push(format!("{n_strands} strands at {} x {}: {why}", size[0], size[1])),
+                }
+            }
+        }
+    }
+    if rows.is_empty() {
+        return Err(CliError::Failed(notes.join("\n")));
+    }
+    let table = table(&gpu.adapter_info.name, is_software, &rows, &notes).map_err(CliError::failed)?;
+    if let Some(path) = &arguments.write {
+        page::write(path, PAGE, &table)?;
+    }
+    if !arguments.json {
+        return print_line(&table);
+    }
+    let rows: Vec<Value> = rows.iter().map(Row::to_json).collect();
+    let all = json!({"adapter": gpu.adapter_info.name, "rows": rows, "notes": notes});
+    print_line(&serde_json::to_string_pretty(&all).map_err(CliError::failed)?)
+}
+
+fn measure(renderer: &mut Renderer, groom: &mut Groom, size: [u32; 2], is_software: bool) -> Result<Row, RenderError> {
+    let mut camera = Camera { azimuth_deg: 35.0, elevation_deg: 5.0, ..Camera::default() };
+    camera.frame(crate::stage::bounds_of(groom), size[0] as f32 / size[1] as f32);
+    groom.look.primitive = Primitive::Compute;
+    renderer.set_groom(groom)?;
+    let whole = median(renderer, &camera, size, is_software, true)?;
+    let orbit = median(renderer, &camera, size, is_software, false)?;
+    let statistics = renderer.statistics();
+    groom.look.primitive = Primitive::Ribbons;
+    renderer.set_groom(groom)?;
+    // Ribbons want room for the order of all segments; the tiles' lists are there already.
+    let ribbons = median(renderer, &camera, size, is_software, false).ok().map(|parts| parts.draw);
+    groom.look.primitive = Primitive::Compute;
+    Ok(Row {
+        n_strands: statistics.n_strands,
+        n_vertices: statistics.n_vertices,
+        size,
+        n_lights: groom.lights.len(),
+        whole,
+        orbit,
+        ribbons,
+        n_bytes: statistics.n_bytes,
+    })
+}
+
+/// The median of each part over some frames; `again`: with everything made again.
+fn median(
+    renderer: &mut Renderer,
+    camera: &Camera,
+    size: [u32; 2],
+    is_software: bool,
+    again: bool,
+) -> Result<Parts, RenderError> {
+    let (n_frames, at_least) = if is_software { (2, Duration::ZERO) } else { (N_FRAMES, LONG_ENOUGH) };
+    let mut all: Vec<Parts> = Vec::new();
+    let begin = Instant::now();
+    // The first two make pipelines and buffers.
+    while all.len() < n_frames + 2 || begin.elapsed() < at_least {
+        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.1 * all.len() as f32, ..*camera };
+        if again {
+            renderer.forget();
+        }
+        let input = FrameInput {
+            camera: &turned,
+            size,
+            world_from_head: Affine3A::IDENTITY,
+            guides: &[],
+            guides_stamp: 0,
+            lod_scale: 1.0,
+        };
+        renderer.render_pixels(&input)?;
+        all.push(Parts::of(&renderer.pass_times()));
+    }
+    let middle = |of: &dyn Fn(&Parts) -> f64| {
+        let mut times: Vec<f64> = all[2..].iter().map(of).collect();
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    };
+    Ok(Parts {
+        generate: middle(&|parts| parts.generate),
+        shadow: middle(&|parts| parts.shadow),
+        shade: middle(&|parts| parts.shade),
+        head: middle(&|parts| parts.head),
+        draw: middle(&|parts| parts.draw),
+        resolve: middle(&|parts| parts.resolve),
+    })
+}
+
+impl Row {
+    fn to_json(&self) -> Value {
+        let of = |parts: &Parts| {
+            let [generate, shadow, shade, head, draw, resolve] = parts.all();
+            json!({"generate": generate, "shadow": shadow, "shade": shade, "head": head, "draw": draw,
+                "resolve": resolve, "sum": parts.sum()})
+        };
+        json!({
+            "strands": self.n_strands,
+            "vertices": self.n_vertices,
+            "size": self.size,
+            "lights": self.n_lights,
+            "gpu_ms": of(&self.whole),
+            "orbit_gpu_ms": of(&self.orbit),
+            "ribbons_gpu_ms": self.ribbons,
+            "bytes": self.n_bytes,
+        })
+    }
+}
+
+fn table(adapter: &str, is_software: bool, rows: &[Row], notes: &[String]) -> Result<String, std::fmt::Error> {
+    let mut text = String::new();
+    let unit = if is_software { "multiples of strands into pixels" } else { "ms" };
+    writeln!(text, "{adapter}, the default groom; GPU timestamps, medians, {unit}.\n")?;
+    writeln!(
+        text,
+        "| strands | picture | lights | generate | shadows | shade | head | strands into pixels | picture | all | only the camera moves | ribbons / compute | MiB |"
+    )?;
+    writeln!(text, "|---|---|---|---|---|---|---|---|---|---|---|---|---|")?;
+    for row in rows {
+        let per = if is_software { 1.0 / row.whole.draw.max(1e-9) } else { 1.0 };
+        write!(text, "| {} | {} x {} | {} ", row.n_strands, row.size[0], row.size[1], row.n_lights)?;
+        for ms in row.whole.all().into_iter().chain([row.whole.sum(), row.orbit.sum()]) {
+            write!(text, "| {:.2} ", per * ms)?;
+        }
+        let ratio = row.ribbons.map_or("-".to_owned(), |ms| format!("{:.1}", ms / row.orbit.draw.max(1e-9)));
+        writeln!(text, "| {ratio} | {} |", row.n_bytes >> 20)?;
+    }
+    for note in notes {
+        writeln!(text, "\n{note}")?;
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pass_belongs_to_a_part() {
+        let passes = ["generate", "shadow.head", "shadow.hair", "shade", "head.surface", "raster.fine", "resolve"];
+        let times: Vec<(String, f64)> =
+            passes.iter().zip(1..).map(|(pass, k)| (pass.to_string(), f64::from(k))).collect();
+        assert_eq!(Parts::of(&times).all(), [1.0, 5.0, 4.0, 5.0, 6.0, 7.0]);
+        assert_eq!(Parts::of(&times).sum(), 28.0);
+    }
+}
