@@ -35,6 +35,7 @@ fn check(what: &str, result: &Result<(), RenderError>) {
             RenderError::Size { .. }
             | RenderError::TooManyTiles(_)
             | RenderError::TooManyVertices(_)
+            | RenderError::TooManyTriangles(_)
             | RenderError::TooWide(_)
             | RenderError::Strands(_)
             | RenderError::Gpu(GpuError::OutOfMemory),
