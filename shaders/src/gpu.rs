@@ -22,6 +22,7 @@ impl Gpu {
     /// another one.
     pub fn headless() -> Result<Self, GpuError> {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        descriptor.flags = Self::instance_flags();
         // OpenGL, which another crate may have built in, lacks what the shaders need: saying that there is no GPU
         // is kinder than its errors.
         descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
@@ -47,6 +48,17 @@ impl Gpu {
         let (device, queue) = pollster::block_on(adapter.request_device(&Self::device_descriptor(&adapter)))
             .map_err(|error| GpuError::NoDevice { adapter: adapter_info.name.clone(), reason: error.to_string() })?;
         Ok(Self::from_parts(device, queue, adapter_info))
+    }
+
+    /// What an instance checks: in a release build not the counts of indirect dispatches and draws. Only our own kernels
+    /// write them, and each check is a dispatch and two barriers. Debug builds, and so all tests, check them.
+    #[must_use]
+    pub fn instance_flags() -> wgpu::InstanceFlags {
+        let mut flags = wgpu::InstanceFlags::from_build_config();
+        if !cfg!(debug_assertions) {
+            flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
+        }
+        flags.with_env()
     }
 
     /// Take over a device that somebody else made (eframe), best by [`Gpu::device_descriptor`].

@@ -18,16 +18,26 @@ struct ShadowLayer {
 
 // Centimetres behind the head's front from which hair is on the far side, and not lying on the skin.
 const FAR_SIDE: f32 = 1.0;
+// Texels.
+const LONG: f32 = 32.0;
 
-fn deposit(light_idx: u32, texel: vec2<i32>, depth: f32, opacity: f32) {
+// Hair that the head hides from the light casts nothing that the head does not, but it would fall into the last layer and
+// darken skin that lies in front of it.
+fn is_hidden(at: u32, depth: f32) -> bool {
+    return depth > front_depth(shadow_head[at]) + FAR_SIDE;
+}
+
+fn is_hidden_at(light_idx: u32, place: vec3<f32>) -> bool {
+    return is_hidden(texel_index(light_idx, vec2<i32>(place.xy)), place.z);
+}
+
+fn deposit(light_idx: u32, texel: vec2<i32>, depth: f32, opacity: f32, may_be_hidden: bool) {
     let resolution = i32(shadow_params.resolution);
     if any(texel < vec2<i32>(0)) || any(texel >= vec2<i32>(resolution)) {
         return;
     }
-    // Hair that the head hides from the light casts nothing that the head does not, but it would fall into the last
-    // layer and darken skin that lies in front of it.
     let at = texel_index(light_idx, texel);
-    if depth > front_depth(shadow_head[at]) + FAR_SIDE {
+    if may_be_hidden && is_hidden(at, depth) {
         return;
     }
     sink(light_idx, at, depth, opacity);
@@ -39,6 +49,13 @@ fn rasterise(light_idx: u32, light: ShadowLight, root: vec4<f32>, tip: vec4<f32>
     if map_root.w <= 0.0 || map_tip.w <= 0.0 {
         return;
     }
+    // Most segments are hidden as a whole or not at all: their ends tell. The others ask for each texel, and so do long ones.
+    let is_root_hidden = is_hidden_at(light_idx, map_root.xyz);
+    let is_tip_hidden = is_hidden_at(light_idx, map_tip.xyz);
+    if is_root_hidden && is_tip_hidden {
+        return;
+    }
+    let may_be_hidden = is_root_hidden || is_tip_hidden || distance(map_root.xy, map_tip.xy) > LONG;
     // Texel coordinates with the longer axis as x; .z is depth; width in texels beside it.
     var a = map_root.xyz;
     var b = map_tip.xyz;
@@ -76,7 +93,7 @@ fn rasterise(light_idx: u32, light: ShadowLight, root: vec4<f32>, tip: vec4<f32>
         if is_steep {
             texel = texel.yx;
         }
-        deposit(light_idx, texel, mix(a.z, b.z, t), opacity);
+        deposit(light_idx, texel, mix(a.z, b.z, t), opacity, may_be_hidden);
     }
 }
 

@@ -159,6 +159,7 @@ fn run_once(options: StartOptions, handover: Handover) -> Result<(), WindowError
     if let eframe::egui_wgpu::WgpuSetup::CreateNew(new) = &mut setup {
         new.device_descriptor = Arc::new(Gpu::device_descriptor);
         // OpenGL has no compute shaders of the kind that the rasteriser needs.
+        new.instance_descriptor.flags = Gpu::instance_flags();
         new.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
     }
     let mut native = eframe::NativeOptions {

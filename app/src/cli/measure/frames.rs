@@ -21,10 +21,10 @@ const STRANDS: [u32; 3] = [20_000, 100_000, 500_000];
 const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
 /// A software driver is told the first of each alone: it takes seconds a frame, and only ratios mean anything.
 const N_ON_SOFTWARE: usize = 1;
-/// Frames of which the median counts, and how long they are drawn at least: a GPU that waited takes a while to come back to
-/// its speed.
-const N_FRAMES: usize = 9;
-const LONG_ENOUGH: Duration = Duration::from_millis(300);
+/// Frames of which the median counts, and for how long others are drawn before: a GPU that waited takes a while to come back
+/// to its speed, and pipelines and buffers are made.
+const N_FRAMES: usize = 15;
+const WARM_UP: Duration = Duration::from_millis(700);
 
 /// Milliseconds of a frame's parts.
 #[derive(Debug, Clone, Copy, Default)]
@@ -101,7 +101,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         for &size in &SIZES[..n(SIZES.len())] {
             for n_lights in [1, rig.len()] {
                 groom.lights = rig[..n_lights].to_vec();
-                match measure(&mut renderer, &mut groom, size, is_software) {
+                match measure(&gpu, &mut renderer, &mut groom, size, is_software) {
                     Ok(row) => rows.push(row),
                     Err(why) => notes.push(format!("{n_strands} strands at {} x {}: {why}", size[0], size[1])),
                 }
@@ -123,18 +123,24 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     print_line(&serde_json::to_string_pretty(&all).map_err(CliError::failed)?)
 }
 
-fn measure(renderer: &mut Renderer, groom: &mut Groom, size: [u32; 2], is_software: bool) -> Result<Row, RenderError> {
+fn measure(
+    gpu: &Gpu,
+    renderer: &mut Renderer,
+    groom: &mut Groom,
+    size: [u32; 2],
+    is_software: bool,
+) -> Result<Row, RenderError> {
     let mut camera = Camera { azimuth_deg: 35.0, elevation_deg: 5.0, ..Camera::default() };
     camera.frame(crate::stage::bounds_of(groom), size[0] as f32 / size[1] as f32);
     groom.look.primitive = Primitive::Compute;
     renderer.set_groom(groom)?;
-    let whole = median(renderer, &camera, size, is_software, true)?;
-    let orbit = median(renderer, &camera, size, is_software, false)?;
+    let whole = median(gpu, renderer, &camera, size, is_software, true)?;
+    let orbit = median(gpu, renderer, &camera, size, is_software, false)?;
     let statistics = renderer.statistics();
     groom.look.primitive = Primitive::Ribbons;
     renderer.set_groom(groom)?;
     // Ribbons want room for the order of all segments; the tiles' lists are there already.
-    let ribbons = median(renderer, &camera, size, is_software, false).ok().map(|parts| parts.draw);
+    let ribbons = median(gpu, renderer, &camera, size, is_software, false).ok().map(|parts| parts.draw);
     groom.look.primitive = Primitive::Compute;
     Ok(Row {
         n_strands: statistics.n_strands,
@@ -150,34 +156,31 @@ fn measure(renderer: &mut Renderer, groom: &mut Groom, size: [u32; 2], is_softwa
 
 /// The median of each part over some frames; `again`: with everything made again.
 fn median(
+    gpu: &Gpu,
     renderer: &mut Renderer,
     camera: &Camera,
     size: [u32; 2],
     is_software: bool,
     again: bool,
 ) -> Result<Parts, RenderError> {
-    let (n_frames, at_least) = if is_software { (2, Duration::ZERO) } else { (N_FRAMES, LONG_ENOUGH) };
+    let (n_frames, warm_up) = if is_software { (3, Duration::ZERO) } else { (N_FRAMES, WARM_UP) };
     let mut all: Vec<Parts> = Vec::new();
     let begin = Instant::now();
-    // The first two make pipelines and buffers.
-    while all.len() < n_frames + 2 || begin.elapsed() < at_least {
-        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.1 * all.len() as f32, ..*camera };
+    let mut n_drawn = 0;
+    while all.len() < n_frames {
+        let is_warm = n_drawn >= 2 && begin.elapsed() >= warm_up;
+        n_drawn += 1;
+        let turned = Camera { azimuth_deg: camera.azimuth_deg + 0.1 * (n_drawn % 20) as f32, ..*camera };
         if again {
             renderer.forget();
         }
-        let input = FrameInput {
-            camera: &turned,
-            size,
-            world_from_head: Affine3A::IDENTITY,
-            guides: &[],
-            guides_stamp: 0,
-            lod_scale: 1.0,
-        };
-        renderer.render_pixels(&input)?;
-        all.push(Parts::of(&renderer.pass_times()));
+        draw(gpu, renderer, &turned, size)?;
+        if is_warm {
+            all.push(Parts::of(&renderer.pass_times()));
+        }
     }
     let middle = |of: &dyn Fn(&Parts) -> f64| {
-        let mut times: Vec<f64> = all[2..].iter().map(of).collect();
+        let mut times: Vec<f64> = all.iter().map(of).collect();
         times.sort_by(f64::total_cmp);
         times[times.len() / 2]
     };
@@ -189,6 +192,19 @@ fn median(
         draw: middle(&|parts| parts.draw),
         resolve: middle(&|parts| parts.resolve),
     })
+}
+
+/// A frame to its end; the picture stays on the GPU, which would rest while it is read.
+fn draw(gpu: &Gpu, renderer: &mut Renderer, camera: &Camera, size: [u32; 2]) -> Result<(), RenderError> {
+    let input =
+        FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    renderer.render(&mut encoder, &input)?;
+    gpu.queue.submit([encoder.finish()]);
+    renderer.collect_times();
+    gpu.wait()?;
+    renderer.collect_times();
+    Ok(())
 }
 
 impl Row {
