@@ -4,6 +4,8 @@
 //! own would be. Keeping last frame's vertices while nothing moves was rejected: making them costs less
 //! than finding out.
 
+use std::collections::HashMap;
+
 use glam::Affine3A;
 use lorelei_core::generate::Lod;
 use lorelei_core::groom::Groom;
@@ -16,18 +18,43 @@ use wgpu::BufferUsages;
 use crate::bound::Bound;
 use crate::mirror::{DrawnLayer, LayerMirror, Mirror, MirrorError, Sort, StrandBuffers};
 use crate::overlay::Veil;
+use crate::raster::fit;
 
 /// Makes the strands of a groom.
 pub struct StrandGenerator {
-    /// For styles that [`Plan::is_plain`](lorelei_core::generate::plan::Plan::is_plain) says are plain.
-    plain: Hot<Kernel>,
-    /// For all others but those that iron; made when the first of them is shown.
-    full: Option<Hot<Kernel>>,
-    /// With the operator that irons paths. Without it strands are made twice as fast (0.79 against 1.69 ms for 100,000
-    /// on an H200), though nothing is ironed: so it is a kernel of its own, linked when it is first asked for.
-    ironing: Option<Hot<Kernel>>,
+    kernels: HashMap<Variant, Hot<Kernel>>,
+    /// Control points are blended before strands are made: see generate.wgsl. A CPU gains nothing by it.
+    blends_before: bool,
+    /// Those control points, of one layer after the other.
+    paths: wgpu::Buffer,
     mirror: Mirror,
     params: Vec<wgpu::Buffer>,
+}
+
+/// What a kernel of generate.wgsl is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Variant {
+    /// Strands that blend their control points themselves.
+    Direct(Sort),
+    /// Strands from control points that are there; all styles, or those that
+    /// [`Plan::is_plain`](lorelei_core::generate::plan::Plan::is_plain) says are plain.
+    FromPaths { is_full: bool },
+    /// The control points; ironed or as they are.
+    Paths { irons: bool },
+}
+
+impl Variant {
+    fn make(self, library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
+        let (entry, is_full, defs): (_, _, &[Link<'_>]) = match self {
+            Self::Direct(Sort::Plain) => ("generate", false, &[]),
+            Self::Direct(Sort::Full) => ("generate", true, &[]),
+            Self::Direct(Sort::Ironing) => ("generate", true, &[Link::Def("IRONS")]),
+            Self::FromPaths { is_full } => ("generate", is_full, &[Link::Def("READS_PATHS")]),
+            Self::Paths { irons: false } => ("make_paths", true, &[Link::Def("MAKES_PATHS")]),
+            Self::Paths { irons: true } => ("make_paths", true, &[Link::Def("MAKES_PATHS"), Link::Def("IRONS")]),
+        };
+        library.kernel(gpu, "generate", entry, &[("FULL", f64::from(u8::from(is_full)))], defs)
+    }
 }
 
 /// What changes from frame to frame.
@@ -74,13 +101,23 @@ struct Params {
     lod_maps: [u32; 4],
     lod_between: f32,
     n_sculpt: u32,
-    pad: [u32; 2],
+    n_paths: u32,
+    pad: u32,
 }
 
 impl StrandGenerator {
-    pub fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
-        let plain = Hot::new(library, |library| plain(library, gpu))?;
-        Ok(Self { plain, full: None, ironing: None, mirror: Mirror::new(gpu), params: Vec::new() })
+    pub fn new(gpu: &Gpu) -> Self {
+        Self::blending_before(gpu, gpu.adapter_info.device_type != wgpu::DeviceType::Cpu)
+    }
+
+    fn blending_before(gpu: &Gpu, blends_before: bool) -> Self {
+        Self {
+            kernels: HashMap::new(),
+            blends_before,
+            paths: gpu.buffer("generate.paths", 0, BufferUsages::STORAGE),
+            mirror: Mirror::new(gpu),
+            params: Vec::new(),
+        }
     }
 
     /// Take over what changed in the groom. Returns what the user should know.
@@ -105,8 +142,7 @@ impl StrandGenerator {
 
     /// Why the last edit of the shader is not in use.
     pub fn shader_error(&self) -> Option<&ShaderError> {
-        let later = [self.full.as_ref(), self.ironing.as_ref()];
-        self.plain.error().or_else(|| later.into_iter().flatten().find_map(Hot::error))
+        self.kernels.values().find_map(Hot::error)
     }
 
     /// Send this frame's numbers and bind each drawn layer; `record` then dispatches. Call once a frame.
@@ -115,22 +151,8 @@ impl StrandGenerator {
         gpu: &Gpu,
         library: &ShaderLibrary,
         pose: &StrandPose<'_>,
-    ) -> Result<PreparedStrands, ShaderError> {
-        self.plain.refresh(library, |library| plain(library, gpu));
+    ) -> Result<PreparedStrands, MirrorError> {
         let reads_maps = |layer: &LayerMirror| pose.blend.maps(&layer.binding).iter().any(Option::is_some);
-        let needs_full = |layer: &LayerMirror| layer.sort() == Sort::Full || reads_maps(layer);
-        if self.full.is_none() && self.mirror.layers.iter().any(needs_full) {
-            self.full = Some(Hot::new(library, |library| full(library, gpu))?);
-        }
-        if let Some(kernel) = &mut self.full {
-            kernel.refresh(library, |library| full(library, gpu));
-        }
-        if self.ironing.is_none() && self.mirror.layers.iter().any(|layer| layer.sort() == Sort::Ironing) {
-            self.ironing = Some(Hot::new(library, |library| ironing(library, gpu))?);
-        }
-        if let Some(kernel) = &mut self.ironing {
-            kernel.refresh(library, |library| ironing(library, gpu));
-        }
         let mut dispatches = Vec::new();
         self.mirror.buffers.layers.clear();
         self.mirror.buffers.widest = 0.0;
@@ -177,7 +199,8 @@ impl StrandGenerator {
                 lod_maps: lod_maps.map(|map| map.map_or(u32::MAX, |map| map as u32)),
                 lod_between: pose.blend.between,
                 n_sculpt: layer.composite.guides.len() as u32,
-                pad: [0; 2],
+                n_paths: layer.binding.n_strands() as u32,
+                pad: 0,
             };
             let wider = |maps: &[Option<usize>], most: f32| if maps.iter().any(Option::is_some) { most } else { 1.0 };
             let painted =
@@ -187,43 +210,62 @@ impl StrandGenerator {
             gpu.queue.write_buffer(params_buffer, 0, bytemuck::bytes_of(&params));
             // The plain kernel reads no maps.
             let sort = if reads_maps(layer) && layer.sort() == Sort::Plain { Sort::Full } else { layer.sort() };
-            let bindings = self.kernel_for(sort).bind(
-                gpu,
-                &[
-                    ("params", params_buffer.as_entire_binding()),
-                    ("guides", moved.unwrap_or(&layer.guides).as_entire_binding()),
-                    ("strands", layer.strands.as_entire_binding()),
-                    ("influences", layer.influences.as_entire_binding()),
-                    ("middles", layer.middles.as_entire_binding()),
-                    ("ops", layer.ops.as_entire_binding()),
-                    ("curves", layer.curves.as_entire_binding()),
-                    ("map_values", layer.map_values.as_entire_binding()),
-                    ("sculpt", layer.sculpt.as_entire_binding()),
-                    ("field", self.mirror.field_buffer.as_entire_binding()),
-                    ("knots", layer.knots.as_entire_binding()),
-                    ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
-                ],
-            )?;
+            let n_points = u64::from(params.n_paths) * u64::from(params.guide_vertices);
+            // Where few of the strands are drawn, most of what was blended would be for nothing.
+            let is_worth_it = 2 * u64::from(lod.n_drawn) >= u64::from(params.n_paths);
+            let from_paths = self.blends_before
+                && is_worth_it
+                && n_points * 16 <= gpu.max_storage_binding()
+                && u32::try_from(n_points).is_ok();
+            if from_paths {
+                gpu.checked(|| fit(gpu, &mut self.paths, n_points * 16))?;
+            }
+            let resources = [
+                ("params", params_buffer.as_entire_binding()),
+                ("guides", moved.unwrap_or(&layer.guides).as_entire_binding()),
+                ("strands", layer.strands.as_entire_binding()),
+                ("influences", layer.influences.as_entire_binding()),
+                ("middles", layer.middles.as_entire_binding()),
+                ("ops", layer.ops.as_entire_binding()),
+                ("curves", layer.curves.as_entire_binding()),
+                ("map_values", layer.map_values.as_entire_binding()),
+                ("sculpt", layer.sculpt.as_entire_binding()),
+                ("field", self.mirror.field_buffer.as_entire_binding()),
+                ("knots", layer.knots.as_entire_binding()),
+                ("paths", self.paths.as_entire_binding()),
+                ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
+            ];
+            let of_paths = (Variant::Paths { irons: sort == Sort::Ironing }, n_points as u32);
+            let of_strands = if from_paths {
+                (Variant::FromPaths { is_full: sort != Sort::Plain }, lod.n_drawn)
+            } else {
+                (Variant::Direct(sort), lod.n_drawn)
+            };
+            for (variant, n_items) in from_paths.then_some(of_paths).into_iter().chain([of_strands]) {
+                let make = |library: &ShaderLibrary| variant.make(library, gpu);
+                if let Some(kernel) = self.kernels.get_mut(&variant) {
+                    kernel.refresh(library, make);
+                } else {
+                    self.kernels.insert(variant, Hot::new(library, make)?);
+                }
+                let bindings = self.kernels[&variant].bind_used(gpu, &resources)?;
+                dispatches.push(Dispatch { bindings, n_items, variant });
+            }
             self.mirror.buffers.layers.push(DrawnLayer { n_strands: lod.n_drawn, ..place });
-            dispatches.push(Dispatch { bindings, n_drawn: lod.n_drawn, sort });
         }
         Ok(PreparedStrands { dispatches })
     }
 
     /// Record the dispatches of a prepared frame.
     pub fn record(&self, pass: &mut wgpu::ComputePass<'_>, prepared: &PreparedStrands) {
-        for Dispatch { bindings, n_drawn, sort } in &prepared.dispatches {
-            self.kernel_for(*sort).dispatch_items(pass, bindings, *n_drawn);
+        for Dispatch { bindings, n_items, variant } in &prepared.dispatches {
+            self.kernels[variant].dispatch_items(pass, bindings, *n_items);
         }
     }
 
-    fn kernel_for(&self, sort: Sort) -> &Kernel {
-        let kernel = match sort {
-            Sort::Plain => None,
-            Sort::Full => self.full.as_ref(),
-            Sort::Ironing => self.ironing.as_ref(),
-        };
-        kernel.unwrap_or(&self.plain)
+    /// Bytes of the control points.
+    pub fn n_bytes(&self) -> u64 {
+        self.paths.size()
     }
 }
 
@@ -233,24 +275,12 @@ pub struct PreparedStrands {
     dispatches: Vec<Dispatch>,
 }
 
-/// One layer's.
+/// One of a layer's.
 #[derive(Debug)]
 struct Dispatch {
     bindings: Bindings,
-    n_drawn: u32,
-    sort: Sort,
-}
-
-fn plain(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "generate", "generate", &[("FULL", 0.0)], &[])
-}
-
-fn full(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "generate", "generate", &[("FULL", 1.0)], &[])
-}
-
-fn ironing(library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "generate", "generate", &[("FULL", 1.0)], &[Link::Def("IRONS")])
+    n_items: u32,
+    variant: Variant,
 }
 
 /// The rows of a transform: rotation and scale, then the translation.
@@ -434,7 +464,7 @@ mod tests {
         let gpu = Gpu::headless().unwrap();
         let mut groom = groom();
         let head = ball(8.0);
-        let mut generator = StrandGenerator::new(&gpu, &ShaderLibrary::embedded()).unwrap();
+        let mut generator = StrandGenerator::new(&gpu);
         generator.set_groom(&gpu, &groom).unwrap();
         assert!(generator.mirror().layers[0].composite.guides.is_empty());
         sculpt(&mut groom.layers[0], &head);
@@ -456,9 +486,13 @@ mod tests {
     /// The GPU makes the strands that the CPU makes.
     fn assert_alike(groom: &Groom) {
         let gpu = Gpu::headless().unwrap();
-        let library = ShaderLibrary::embedded();
-        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
-        assert_eq!(generator.set_groom(&gpu, groom).unwrap(), Vec::<String>::new());
+        for blends_before in [false, true] {
+            assert_alike_by(&gpu, StrandGenerator::blending_before(&gpu, blends_before), groom);
+        }
+    }
+
+    fn assert_alike_by(gpu: &Gpu, mut generator: StrandGenerator, groom: &Groom) {
+        assert_eq!(generator.set_groom(gpu, groom).unwrap(), Vec::<String>::new());
         let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::new(3.0, -1.0, 2.0));
         let between = LodSettings::default().blend(1.4);
         for (world_from_head, lod, blend) in [
@@ -468,7 +502,7 @@ mod tests {
             (turned, 0.9, between),
         ] {
             let vertices =
-                make(&gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod, blend, veil: Veil::Full });
+                make(gpu, &mut generator, &StrandPose { world_from_head, guides: &[], lod, blend, veil: Veil::Full });
             let mut worst: f32 = 0.0;
             for (layer_idx, layer) in groom.layers.iter().enumerate() {
                 let binding = generator.mirror().binding(layer_idx).unwrap();
@@ -491,7 +525,8 @@ mod tests {
                     }
                 }
             }
-            eprintln!("lod {lod}: CPU and GPU differ by {worst} of a strand's length");
+            let before = generator.blends_before;
+            eprintln!("lod {lod}, blended before {before}: CPU and GPU differ by {worst} of a strand's length");
             assert!(worst < 1e-4, "{worst}");
         }
     }
@@ -499,9 +534,8 @@ mod tests {
     #[test]
     fn only_what_changed_is_sent() {
         let gpu = Gpu::headless().unwrap();
-        let library = ShaderLibrary::embedded();
         let mut groom = groom();
-        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
+        let mut generator = StrandGenerator::new(&gpu);
         generator.set_groom(&gpu, &groom).unwrap();
         let buffers = |generator: &StrandGenerator| {
             let layer = &generator.mirror().layers[0];
@@ -548,7 +582,6 @@ mod tests {
     #[test]
     fn a_groom_too_large_for_the_device_is_thinned_with_a_warning() {
         let gpu = Gpu::headless().unwrap();
-        let library = ShaderLibrary::embedded();
         let most = gpu.max_storage_binding() / 16;
         let mut layer =
             Layer { vertices_per_strand: 128, ..Layer::new("large", Source::HairMesh(Arc::new(falling_hair()))) };
@@ -558,7 +591,7 @@ mod tests {
             return;
         }
         let groom = Groom { layers: vec![layer], ..Groom::default() };
-        let mut generator = StrandGenerator::new(&gpu, &library).unwrap();
+        let mut generator = StrandGenerator::new(&gpu);
         let warnings = generator.set_groom(&gpu, &groom).unwrap();
         assert!(
             warnings.len() == 1 && (warnings[0].starts_with("90 %") || warnings[0].starts_with("91 %")),

@@ -163,7 +163,7 @@ impl PlanNumbers {
 }
 
 /// Which kernel makes a layer's strands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Sort {
     Plain,
     Full,

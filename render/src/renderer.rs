@@ -137,7 +137,7 @@ impl Renderer {
             n_changes: 0,
             made_from: None,
             ball: Ball { centre: Vec3::ZERO, radius: 1.0 },
-            generator: StrandGenerator::new(gpu, &library)?,
+            generator: StrandGenerator::new(gpu),
             scene: SceneBuffers::new(gpu),
             shadow: Shadow::new(gpu),
             shade: Shade::new(gpu),
@@ -550,6 +550,7 @@ impl Renderer {
             n_vertices: strands.layers.iter().map(|layer| layer.n_strands * layer.vertices_per_strand).sum(),
             n_bytes: targets
                 + self.generator.mirror().n_bytes()
+                + self.generator.n_bytes()
                 + self.shade.radiance().size()
                 + self.head.n_bytes()
                 + self.shadow.n_bytes()

@@ -3,6 +3,9 @@
 // One thread makes one strand from root to tip. It carries the twist-free frame, the arc length and, for its own
 // path and for its clumps' middles, the four blended control points around the present parameter: each control
 // point is blended once, not once for every vertex that it shapes.
+//
+// On a GPU with many threads control points are blended before, one thread each (MAKES_PATHS), and strands only read them
+// (READS_PATHS): a clump's middle is then blended once and not by each of its strands.
 
 #import lorelei::hash::{combine, random, unit}
 
@@ -45,7 +48,8 @@ struct Params {
     lod_between: f32,
     // Sculpt guides; 0 where nothing is sculpted.
     n_sculpt: u32,
-    pad1: u32,
+    // Strands whose control points are blended before: all of the layer's, as any may be a clump's middle.
+    n_paths: u32,
     pad2: u32,
 }
 
@@ -104,6 +108,14 @@ struct Op {
 // Then two for every strand: its three guides, and their weights.
 @group(0) @binding(11) var<storage, read> sculpt: array<vec4<f32>>;
 
+#ifdef MAKES_PATHS
+// Control points of the paths, world space: `guide_vertices` for every strand.
+@group(0) @binding(12) var<storage, read_write> paths: array<vec4<f32>>;
+#endif
+#ifdef READS_PATHS
+@group(0) @binding(12) var<storage, read> paths: array<vec4<f32>>;
+#endif
+
 // LodBlend: how many times wider a strand gets, at most, where a painted map took its neighbours away.
 const MOST_WIDER: f32 = 4.0;
 const NONE: u32 = 0xFFFFFFFFu;
@@ -160,7 +172,8 @@ const SLID: f32 = 1e-5;
 
 // A path with its four control points around the present segment.
 struct Curve {
-    first_influence: u32,
+    // Influence; or control point, where those are blended already.
+    first: u32,
     n_influences: u32,
     // How strongly it is ironed.
     ironing: f32,
@@ -314,7 +327,7 @@ fn strength_of(strand_idx: u32, i: u32) -> f32 {
 
 fn blended(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     var p = vec3<f32>(0.0);
-    let first = (*curve).first_influence;
+    let first = (*curve).first;
     for (var k = first; k < first + (*curve).n_influences; k++) {
         let influence = influences[k];
         p += influence.weight * guides[influence.guide_idx * params.guide_vertices + i].xyz;
@@ -349,7 +362,11 @@ fn ironed(curve: ptr<function, Curve>, i: u32, p: vec3<f32>) -> vec3<f32> {
 }
 #endif
 
+// Control point i of a path.
 fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
+#ifdef READS_PATHS
+    return paths[(*curve).first + i].xyz;
+#else
     var p = blended(curve, i);
 #ifdef IRONS
     p = ironed(curve, i, p);
@@ -357,16 +374,26 @@ fn control(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     let x = f32(i) / f32(params.guide_vertices - 1u);
     let left = 1.0 - smooth_step(0.0, 1.0, x) * (1.0 - params.offset_at_tip);
     return move_point(params.world_from_guides, p) + left * (*curve).offset;
+#endif
 }
 
-// Set a curve to its first segment.
-fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
-    (*curve).first_influence = strands[strand_idx].first_influence;
+// Whose path a curve is.
+fn find(curve: ptr<function, Curve>, strand_idx: u32) {
+#ifdef READS_PATHS
+    (*curve).first = strand_idx * params.guide_vertices;
+#else
+    (*curve).first = strands[strand_idx].first_influence;
     (*curve).n_influences = strands[strand_idx].n_influences;
     if FULL != 0u && params.smooth_op != NONE {
         (*curve).ironing = strength_of(strand_idx, params.smooth_op);
     }
     (*curve).offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
+#endif
+}
+
+// Set a curve to its first segment.
+fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
+    find(curve, strand_idx);
     (*curve).p1 = control(curve, 0u);
     (*curve).p2 = control(curve, 1u);
     (*curve).p0 = 2.0 * (*curve).p1 - (*curve).p2;
@@ -380,10 +407,8 @@ fn begin(curve: ptr<function, Curve>, strand_idx: u32) {
 // Where a strand grows, world space.
 fn root_of(strand_idx: u32) -> vec3<f32> {
     var curve: Curve;
-    curve.first_influence = strands[strand_idx].first_influence;
-    curve.n_influences = strands[strand_idx].n_influences;
-    let offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
-    return move_point(params.world_from_guides, blended(&curve, 0u)) + offset;
+    find(&curve, strand_idx);
+    return control(&curve, 0u);
 }
 
 // Go on to a segment, the next one.
@@ -726,6 +751,20 @@ fn keep_out(p: vec3<f32>, arc_length: f32, seed: u32) -> vec3<f32> {
     let out = normalize_or(sample.xyz, vec3<f32>(0.0));
     return move_point(params.world_from_head, in_head + (wanted - distance) * out);
 }
+
+#ifdef MAKES_PATHS
+@compute @workgroup_size(64)
+fn make_paths(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let item = id.x + id.y * n_groups.x * 64u;
+    let strand_idx = item / params.guide_vertices;
+    if strand_idx >= params.n_paths {
+        return;
+    }
+    var curve: Curve;
+    find(&curve, strand_idx);
+    paths[item] = vec4<f32>(control(&curve, item % params.guide_vertices), 0.0);
+}
+#endif
 
 @compute @workgroup_size(64)
 fn generate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {

@@ -280,7 +280,7 @@ fn median(times: &[f64]) -> Option<f64> {
 
 /// The strands of a groom as they are drawn at rest.
 fn strands_of(gpu: &Gpu, library: &ShaderLibrary, groom: &Groom) -> Result<(Vec<Vec4>, Vec<DrawnLayer>), RenderError> {
-    let mut generator = StrandGenerator::new(gpu, library)?;
+    let mut generator = StrandGenerator::new(gpu);
     generator.set_groom(gpu, groom)?;
     let pose = StrandPose {
         world_from_head: Affine3A::IDENTITY,
