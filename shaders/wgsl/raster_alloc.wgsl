@@ -3,7 +3,7 @@
 // The list outgrows its buffer in rounds: a tile that would start beyond `round_size` entries belongs to a later round, which is
 // scattered and drawn after the earlier one into the same list. A list of `round_size` + all segments fits any tile.
 // Where tiles lie in the list depends on the order of the atomics, and matters to nobody.
-#import lorelei::raster_frame::{raster, raster_layers, Tile}
+#import lorelei::raster_frame::{raster, raster_layers, Tile, of_tile}
 #import lorelei::raster_buckets::{N_BUCKETS}
 
 struct Arguments {
@@ -25,10 +25,9 @@ fn allocate(@builtin(global_invocation_id) id: vec3<u32>) {
     if tile_idx >= raster.n_tiles.x * raster.n_tiles.y {
         return;
     }
-    let first = tile_idx * N_BUCKETS;
     var n = 0u;
     for (var k = 0u; k < N_BUCKETS; k++) {
-        n += buckets[first + k];
+        n += buckets[of_tile(tile_idx, k)];
     }
     if n == 0u {
         tiles[tile_idx] = Tile(0u, 0u, 0u, 0u);
@@ -43,8 +42,8 @@ fn allocate(@builtin(global_invocation_id) id: vec3<u32>) {
         tile_list[round * n_tiles + atomicAdd(&totals[1u + round], 1u)] = tile_idx;
     }
     for (var k = 0u; k < N_BUCKETS; k++) {
-        let in_bucket = buckets[first + k];
-        buckets[first + k] = next;
+        let in_bucket = buckets[of_tile(tile_idx, k)];
+        buckets[of_tile(tile_idx, k)] = next;
         next += in_bucket;
     }
 }

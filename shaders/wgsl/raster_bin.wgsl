@@ -2,8 +2,8 @@
 // to how many each bucket gets; then, with `SCATTER` defined, to write each segment where its bucket's part of the list
 // has been laid out.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, ENTRY_BITS}
-#import lorelei::raster_buckets::{N_BUCKETS, bucket_of}
+#import lorelei::raster_frame::{raster, segment_of, Tile, NO_VERTEX, ENTRY_BITS, of_tile}
+#import lorelei::raster_buckets::{bucket_of}
 #import lorelei::tile::{TILE}
 
 // Depth in each tile from which strands hide what is behind them.
@@ -117,7 +117,7 @@ fn bin(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_
             let at = dot(middle - line.xy, u);
             let part = clamp(vec2<f32>(max(at - reach, inside.x), min(at + reach, inside.y)) / length, vec2<f32>(0.0), vec2<f32>(1.0));
             let bucket = bucket_of(span.y + (span.z - span.y) * select(part.y, part.x, span.z > span.y) - fronts[tile_idx]);
-            let place = atomicAdd(&buckets[tile_idx * N_BUCKETS + bucket], 1u);
+            let place = atomicAdd(&buckets[of_tile(tile_idx, bucket)], 1u);
 #ifdef SCATTER
             entries[place] = vertex | (bucket << ENTRY_BITS);
 #endif

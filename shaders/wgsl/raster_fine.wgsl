@@ -3,7 +3,7 @@
 // A thread takes a segment and walks the pixels that it touches; sums of a few depth buckets lie in workgroup memory.
 // Then a thread takes a pixel and composites those buckets. So work grows with touched pixels and not with the area
 // of tiles, and a frame has few barriers.
-#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
+#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS, of_tile}
 #import lorelei::tile::{TILE, N_PIXELS}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_place}
 #import lorelei::coverage::{strip_of}
@@ -133,7 +133,7 @@ fn fine(
     var first = tile.start;
     var is_idle = true;
     for (var bucket = 0u; bucket < N_BUCKETS; bucket += N_STEP) {
-        let end = bucket_ends[tile_idx * N_BUCKETS + bucket + N_STEP - 1u];
+        let end = bucket_ends[of_tile(tile_idx, bucket + N_STEP - 1u)];
         // A step may only close what an earlier one has left open.
         if end == first && is_idle {
             continue;

@@ -45,6 +45,12 @@ struct Tile {
 @group(0) @binding(auto) var<uniform> raster: RasterFrame;
 @group(0) @binding(auto) var<storage, read> raster_layers: array<RasterLayer>;
 
+// The k-th of what each tile has several of. The k-th of all tiles lie side by side, as do the threads of passes that have
+// one for each tile.
+fn of_tile(tile_idx: u32, k: u32) -> u32 {
+    return k * raster.n_tiles.x * raster.n_tiles.y + tile_idx;
+}
+
 const NO_VERTEX: u32 = 0xFFFFFFFFu;
 // A list entry is a vertex in the low bits and its bucket above them.
 const ENTRY_BITS: u32 = 26u;

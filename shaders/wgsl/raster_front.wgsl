@@ -4,7 +4,7 @@
 // Some of the strands stand for all: they are in the order of the level of detail, spread over the scalp. `gather`
 // sums what they cover in bins of depth, `find` reads the bins from near to far.
 #import lorelei::camera::{project}
-#import lorelei::raster_frame::{raster, sampled_segment_of, NO_VERTEX}
+#import lorelei::raster_frame::{raster, sampled_segment_of, NO_VERTEX, of_tile}
 #import lorelei::tile::{TILE, N_PIXELS}
 
 // Bins of each tile: covered pixels, fixed point.
@@ -26,13 +26,13 @@ fn find(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var total = 0u;
     for (var k = 0u; k < N_BINS; k++) {
-        total += atomicLoad(&bins[id.x * N_BINS + k]);
+        total += atomicLoad(&bins[of_tile(id.x, k)]);
     }
     let wanted = SHARE * min(f32(total), f32(N_PIXELS) * ONE_PIXEL);
     var before = 0.0;
     var place = 0.0;
     for (var k = 0u; k < N_BINS; k++) {
-        let inside = f32(atomicLoad(&bins[id.x * N_BINS + k]));
+        let inside = f32(atomicLoad(&bins[of_tile(id.x, k)]));
         if before + inside > wanted {
             place = f32(k) + (wanted - before) / inside;
             break;
@@ -65,7 +65,7 @@ fn gather(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
         if all(at.xy >= vec2<f32>(0.0)) && all(at.xy < vec2<f32>(raster.view.size)) {
             let tile = vec2<u32>(at.xy / TILE);
             let bin = min(u32(max(at.z - raster.nearest, 0.0) * raster.bins_per_cm), N_BINS - 1u);
-            atomicAdd(&bins[(tile.y * raster.n_tiles.x + tile.x) * N_BINS + bin], area);
+            atomicAdd(&bins[of_tile(tile.y * raster.n_tiles.x + tile.x, bin)], area);
         }
     }
 }

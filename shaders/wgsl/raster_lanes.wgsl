@@ -7,7 +7,7 @@
 //
 // Everything about the eight is written out eight times: lanes can only be named by constants, and the driver stops a
 // thread that has gone round its loops 65,535 times, here after half a million segments.
-#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS}
+#import lorelei::raster_frame::{raster, raster_layers, ENTRY_BITS, of_tile}
 #import lorelei::raster_buckets::{N_BUCKETS, bucket_end}
 #import lorelei::coverage::{strip_of, thin_across, wide_across}
 #import lorelei::raster_lane_blend::{Blend, blend_add, blend_close, blend_is_done, blend_colour}
@@ -156,7 +156,7 @@ fn fine(
     let end = tile.start + tile.n_entries;
     for (var first = tile.start; first < end;) {
         let bucket = entries[first] >> ENTRY_BITS;
-        let last = bucket_ends[tile_idx * N_BUCKETS + bucket];
+        let last = bucket_ends[of_tile(tile_idx, bucket)];
         // The first bucket has no beginning, the last no end.
         let ends = vec2<f32>(bucket_end(max(bucket, 1u) - 1u), min(bucket_end(bucket), 1e6));
         let range = vec3<f32>(fronts[tile_idx] + ends, 1.0 / max(ends.y - ends.x, 1e-3));
