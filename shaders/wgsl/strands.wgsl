@@ -9,8 +9,11 @@
 // A place across a fibre that means "averaged over its width".
 const NO_OFFSET: f32 = 2.0;
 
-// The place across a fibre, -1 to 1, of a pixel that lies so many pixels from its middle: where the fibre is thinner than
-// a pixel all of its width is in it.
+// Half width in pixels from which a pixel has a place of its own across a fibre. With fewer than four of them side by side,
+// whether one lies on a lobe's peak changes along the fibre: it glitters where its average does not.
+const NEAR: f32 = 2.0;
+
+// The place across a fibre, -1 to 1, of a pixel that lies so many pixels from its middle.
 fn offset_of(across: f32, half_width: f32) -> f32 {
-    return select(NO_OFFSET, clamp(across / max(half_width, 1e-6), -1.0, 1.0), half_width >= 0.5);
+    return select(NO_OFFSET, clamp(across / max(half_width, 1e-6), -1.0, 1.0), half_width >= NEAR);
 }

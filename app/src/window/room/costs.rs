@@ -50,9 +50,10 @@ const MEASURED: &[Measured] = &[
     Measured { slot: "view", passes: &["view"], memory: Memory::NotApart, what: "GPU time of painting strands and counting them" },
 ];
 
-/// A pass this short recorded nothing: what it makes stood from the frame before. Two timestamps with nothing between
-/// them are 1-2 us apart.
-const STOOD_MS: f32 = 0.004;
+/// Where passes take a smaller share than this of what they took before, they recorded nothing: what they make stood from
+/// the frame before. Two timestamps with nothing between them are microseconds apart on a GPU, and up to a third of a
+/// millisecond on a software driver.
+const STOOD: f32 = 0.05;
 
 /// What was drawn when costs were measured; of anything else they say nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -95,7 +96,7 @@ impl Costs {
             let name = slot.chosen().name;
             // The first frame of another choice makes all that it needs, be it nothing.
             let is_new = self.before.insert(slot.key, name) != Some(name);
-            if is_new || ms > STOOD_MS {
+            if is_new || self.of(slot.key, name).is_none_or(|known| ms > STOOD * known.ms) {
                 self.of_choices.insert((slot.key, name), Cost { ms, n_bytes });
             }
         }
