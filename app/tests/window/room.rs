@@ -66,12 +66,7 @@ fn looks_are_wiped_inspected_and_kept_with_real_events() {
     // A look goes into a file and comes back as one step.
     let path = folder.join("dark.ron");
     studio.command("save look");
-    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
-    // What is typed belongs to the name once the dialog has come to rest.
-    studio.rest();
-    studio.key("ctrl+a");
-    studio.type_text("dark");
-    studio.key("Return");
+    studio.choose(path.to_str().unwrap());
     studio.wait("the saved look", |state| state["notices"].to_string().contains("Look saved"));
     assert_eq!(LookPreset::open(&path).unwrap().name, "dark");
     studio.key("ctrl+z");

@@ -161,6 +161,9 @@ impl FileDialog {
                         self.enter(&ctx, parent.to_owned());
                     }
                     self.marked = Some(typed);
+                } else if let Some((folder, name)) = self.new_file(&typed) {
+                    self.name = name;
+                    self.enter(&ctx, folder);
                 } else {
                     self.problem = Some(format!("There is no file or folder {}", typed.display()));
                 }
@@ -344,6 +347,13 @@ impl FileDialog {
     }
 
     /// The chosen path, unless it must be asked about first.
+    /// Where to save to and under which name, where a path is typed that is to be made.
+    fn new_file(&self, typed: &Path) -> Option<(PathBuf, String)> {
+        let (folder, name) = (typed.parent()?, typed.file_name()?);
+        let is_new_file = self.purpose.is_save() && folder.is_dir();
+        is_new_file.then(|| (folder.to_owned(), name.to_string_lossy().into_owned()))
+    }
+
     fn accept(&mut self) -> Option<Choice> {
         if !self.purpose.is_save() {
             let marked = self.marked.clone().unwrap_or_else(|| self.folder.join(&self.name));
