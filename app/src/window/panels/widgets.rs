@@ -41,6 +41,9 @@ impl Change {
 /// Longer units would not leave room for the number, bytes.
 const LONGEST_UNIT: usize = 6;
 
+/// Choices are to be seen all at once, points; a longer list scrolls.
+const LONGEST_LIST: f32 = 480.0;
+
 /// Share of a row that its name takes.
 const NAME_SHARE: f32 = 0.5;
 
@@ -241,11 +244,17 @@ pub fn explained(response: Response, help: &str, how: &str) -> Response {
 
 /// A colour that opens a picker; linear RGB.
 pub fn colour(ui: &mut Ui, rgb: &mut [f32; 3]) -> Response {
-    ui.scope(|ui| {
+    // The button rounds what it is given, be it only drawn: untouched, a colour stays what it is.
+    let mut edited = *rgb;
+    let edit = |ui: &mut Ui| {
         ui.spacing_mut().interact_size = vec2(ui.available_width(), theme::ROW);
-        ui.color_edit_button_rgb(rgb)
-    })
-    .inner
+        ui.color_edit_button_rgb(&mut edited)
+    };
+    let response = ui.scope(edit).inner;
+    if response.changed() {
+        *rgb = edited;
+    }
+    response
 }
 
 /// A slot: its choice, what choices cost, and the parameters that belong to the choice.
@@ -267,6 +276,7 @@ pub fn slot(ui: &mut Ui, slot: &mut Slot<'_>, default: &mut Slot<'_>, notes: &No
             let width = ui.available_width();
             let combo = egui::ComboBox::from_id_salt(slot.key)
                 .width(width)
+                .height(LONGEST_LIST)
                 .selected_text(infos[index].label)
                 .truncate()
                 .show_ui(ui, |ui| {
@@ -392,6 +402,20 @@ mod tests {
         frame(press(Key::Enter, Modifiers::NONE));
         frame(Vec::new());
         assert_eq!((value, n_changes), (0.5, 1));
+    }
+
+    #[test]
+    fn a_colour_that_is_only_looked_at_stays_what_it_is() {
+        let ctx = egui::Context::default();
+        let skin = lorelei_core::look::Look::default().skin_colour;
+        let mut rgb = skin;
+        for _ in 0..3 {
+            let mut output = ctx.run_ui(egui::RawInput::default(), |ui| {
+                colour(ui, &mut rgb);
+            });
+            output.textures_delta.clear();
+        }
+        assert_eq!(rgb, skin);
     }
 
     #[test]
