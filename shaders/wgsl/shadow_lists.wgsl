@@ -2,10 +2,14 @@
 // sorted, and made into polylines of transmittance over depth, in place.
 #import lorelei::shadow_map::{shadow_params}
 #import lorelei::shadow_fragments::{MOST_OPACITY, pack, packed_step, packed_value}
+#import lorelei::shadow_room::{TAKEN, WANTED, LISTS, room_of}
 
+// Fragments of each texel.
+@group(0) @binding(auto) var<storage, read> shadow_wanted: array<u32>;
+// Of those, the ones that have come; in the end, nodes.
 @group(0) @binding(auto) var<storage, read_write> shadow_counts: array<u32>;
 @group(0) @binding(auto) var<storage, read_write> shadow_offsets: array<u32>;
-// One number: words that are taken.
+// See shadow_room.wgsl.
 @group(0) @binding(auto) var<storage, read_write> shadow_taken: array<atomic<u32>>;
 @group(0) @binding(auto) var<storage, read_write> shadow_fragments: array<u32>;
 
@@ -17,22 +21,41 @@ fn n_texels() -> u32 {
 }
 
 @compute @workgroup_size(64)
+fn total(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let first = N_PER_THREAD * (id.x + id.y * n_groups.x * 64u);
+    let last = min(first + N_PER_THREAD, n_texels());
+    var n = 0u;
+    var n_lists = 0u;
+    for (var at = first; at < last; at++) {
+        n += shadow_wanted[at];
+        n_lists += u32(shadow_wanted[at] > 0u);
+    }
+    if n > 0u {
+        atomicAdd(&shadow_taken[WANTED], n);
+        atomicAdd(&shadow_taken[LISTS], n_lists);
+    }
+}
+
+// Fragments of a texel that are kept.
+fn kept_of(at: u32) -> u32 {
+    return room_of(shadow_wanted[at], atomicLoad(&shadow_taken[WANTED]), atomicLoad(&shadow_taken[LISTS]));
+}
+
+@compute @workgroup_size(64)
 fn allocate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
     let first = N_PER_THREAD * (id.x + id.y * n_groups.x * 64u);
     let last = min(first + N_PER_THREAD, n_texels());
     var n = 0u;
     for (var at = first; at < last; at++) {
-        n += shadow_counts[at];
+        n += kept_of(at);
     }
     if n == 0u {
         return;
     }
-    var offset = atomicAdd(&shadow_taken[0], n);
+    var offset = atomicAdd(&shadow_taken[TAKEN], n);
     for (var at = first; at < last; at++) {
-        let count = shadow_counts[at];
         shadow_offsets[at] = offset;
-        shadow_counts[at] = 0u;
-        offset += count;
+        offset += kept_of(at);
     }
 }
 
@@ -115,8 +138,8 @@ fn finish(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups)
     if at >= n_texels() || shadow_counts[at] == 0u {
         return;
     }
-    let first = min(shadow_offsets[at], shadow_params.n_fragments);
-    let n = min(shadow_counts[at], shadow_params.n_fragments - first);
+    let first = shadow_offsets[at];
+    let n = min(shadow_counts[at], kept_of(at));
     sort(first, n);
     shadow_counts[at] = compress(first, n);
 }

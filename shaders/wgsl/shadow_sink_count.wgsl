@@ -2,8 +2,8 @@
 // slot: shadow_sink
 #define_import_path lorelei::shadow_sink_count
 
-@group(0) @binding(auto) var<storage, read_write> shadow_counts: array<atomic<u32>>;
+@group(0) @binding(auto) var<storage, read_write> shadow_wanted: array<atomic<u32>>;
 
 fn sink(light_idx: u32, at: u32, depth: f32, opacity: f32) {
-    atomicAdd(&shadow_counts[at], 1u);
+    atomicAdd(&shadow_wanted[at], 1u);
 }

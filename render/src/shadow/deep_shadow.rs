@@ -1,8 +1,12 @@
 //! Deep shadow maps (Lokovic and Veach 2000): every fragment of every texel, sorted, made into a polyline of transmittance
 //! over depth that is off by no more than a stated share of the light.
 //!
-//! Fragments are counted, given room, and scattered. How many there are is known on the GPU alone, so that the room is an
-//! upper guess. Nodes take the place of the fragments: compression makes look-ups shorter, and no buffer smaller.
+//! Fragments are counted, given room, and scattered. How many there are is known on the GPU alone, so that the room is a
+//! guess. Where it is too small (curls are longer than the ball is wide), every texel keeps its share of its fragments, and
+//! these stand for the others: grain, and no hole. Nodes take the place of the fragments: compression makes look-ups
+//! shorter, and no buffer smaller.
+//!
+//! Waiting for the count was rejected: a frame would take as long as the way to the GPU and back.
 
 use super::params::MapSize;
 use super::plan::{Plan, SceneSize, Step, Words};
@@ -17,16 +21,19 @@ pub(super) fn plan(size: MapSize, scene: &SceneSize) -> Plan {
     // A segment touches a texel more than its run is long. Strands are taken to run once through the map, the ball's
     // diameter, on the average: hair is mostly shorter, and is seen at an angle.
     let n_of_a_light = scene.n_strands * u64::from(size.resolution) + scene.n_segments;
+    let of_lists = |entry| Step::Items { file: "shadow_lists", entry, n: size.n_texels().div_ceil(N_PER_THREAD) };
     Plan {
         buffers: vec![
+            Words::cleared("shadow_wanted", "shadow.deep_shadow.wanted", size.n_texels()),
             Words::cleared("shadow_counts", "shadow.deep_shadow.counts", size.n_texels()),
             Words::written("shadow_offsets", "shadow.deep_shadow.offsets", size.n_texels()),
-            Words::cleared("shadow_taken", "shadow.deep_shadow.taken", 1),
+            Words::cleared("shadow_taken", "shadow.deep_shadow.taken", 3),
             Words::written("shadow_fragments", "shadow.deep_shadow.fragments", n_of_a_light * u64::from(size.n_lights)),
         ],
         steps: vec![
             Step::Walk { sink: "shadow_sink_count" },
-            Step::Items { file: "shadow_lists", entry: "allocate", n: size.n_texels().div_ceil(N_PER_THREAD) },
+            of_lists("total"),
+            of_lists("allocate"),
             Step::Walk { sink: "shadow_sink_scatter" },
             Step::Items { file: "shadow_lists", entry: "finish", n: size.n_texels() },
         ],

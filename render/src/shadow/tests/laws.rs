@@ -6,7 +6,7 @@ use lorelei_core::light::{Light, LightKind};
 use lorelei_core::look::{BeyondLast, Choice, ShadowParams, Shadowing};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
-use super::{BALL, N_PER_STRAND, RADIUS, cluster, look_up, look_up_all, strand_buffers};
+use super::{BALL, N_PER_STRAND, RADIUS, cluster, look_up, look_up_all, look_up_by, strand_buffers};
 use crate::mirror::DrawnLayer;
 use crate::scene::SceneLights;
 use crate::shadow::exact::{ExactShadow, Occluders};
@@ -45,13 +45,13 @@ fn techniques() -> impl Iterator<Item = Shadowing> {
 }
 
 /// Mean error of the transmittance, and mean of what is too bright.
-fn errors(points: &[Vec3], light: &Light, shadowing: Shadowing) -> [f64; 2] {
+fn errors(library: &ShaderLibrary, points: &[Vec3], light: &Light, shadowing: Shadowing) -> [f64; 2] {
     let vertices: Vec<Vec4> = points.iter().map(|p| p.extend(RADIUS)).collect();
     let strands = Occluders { vertices: &vertices, vertices_per_strand: N_PER_STRAND as usize };
     let scene_light = SceneLights::new(std::slice::from_ref(light)).lights[0];
     let exact = ExactShadow::new(&[strands], &scene_light, DVec3::ZERO, 0.1);
     let at: Vec<Vec3> = points.iter().copied().step_by(23).collect();
-    let answers = look_up(points, &at, light.clone(), shadowing, &params(), None);
+    let answers = look_up_by(library, points, &at, std::slice::from_ref(light), shadowing, &params(), None).remove(0);
     let mut sums = [0.0; 2];
     for (k, (answer, p)) in answers.iter().zip(&at).enumerate() {
         let strand_idx = Some((23 * k) as u32 / N_PER_STRAND);
@@ -62,30 +62,109 @@ fn errors(points: &[Vec3], light: &Light, shadowing: Shadowing) -> [f64; 2] {
     sums
 }
 
+/// What is wrong with a technique in a cluster of strands under a lamp.
+fn errs_too_much(library: &ShaderLibrary, points: &[Vec3], light: &Light, shadowing: Shadowing) -> Option<String> {
+    let [error, bias] = errors(library, points, light, shadowing);
+    println!("{shadowing:?}: mean error {error:.4}, bias {bias:.4}");
+    // Measured values and about a third more; what knows only the front of the hair is far off.
+    let (most, most_bias) = match shadowing {
+        Shadowing::Off => (0.0, 0.0),
+        Shadowing::ShadowMap => (0.32, 0.32),
+        Shadowing::Exponential => (0.26, 0.25),
+        Shadowing::OpacityMaps | Shadowing::Clusters | Shadowing::DeepShadow => (0.04, 0.015),
+        Shadowing::Occupancy => (0.04, 0.02),
+        Shadowing::DeepOpacity => (0.045, 0.02),
+        Shadowing::Voxels => (0.05, 0.015),
+    };
+    let is_right = error < most && bias.abs() < most_bias;
+    (!is_right).then(|| format!("{shadowing:?}: mean error {error}, bias {bias}"))
+}
+
 #[test]
 fn every_technique_errs_no_more_than_it_must() {
+    let (library, points) = (ShaderLibrary::embedded(), cluster(1500));
+    let lights = [key(), lamp()];
+    let wrong: Vec<String> = (lights.iter())
+        .flat_map(|light| techniques().map(move |shadowing| (light, shadowing)))
+        .filter_map(|(light, shadowing)| errs_too_much(&library, &points, light, shadowing))
+        .collect();
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// One fault for each technique, such as a slip of the pen makes: file, what it says, and what it says instead.
+const FAULTS: &[(Shadowing, &str, &str, &str, &str)] = &[
+    (
+        Shadowing::ShadowMap,
+        "shadow_pcf",
+        include_str!("../../../../shaders/wgsl/shadow_pcf.wgsl"),
+        "depth > hair_front",
+        "depth < hair_front",
+    ),
+    (
+        Shadowing::Exponential,
+        "shadow_exponential",
+        include_str!("../../../../shaders/wgsl/shadow_exponential.wgsl"),
+        "shadow_params.falloff * max",
+        "max",
+    ),
+    (
+        Shadowing::OpacityMaps,
+        "shadow_slices_sum",
+        include_str!("../../../../shaders/wgsl/shadow_slices_sum.wgsl"),
+        "above = min(near + (two >> 16u), 0xffffu)",
+        "above = near",
+    ),
+    (
+        Shadowing::Clusters,
+        "shadow_clusters_update",
+        include_str!("../../../../shaders/wgsl/shadow_clusters_update.wgsl"),
+        "front_depth(front) + mean * width",
+        "front_depth(front) + mean",
+    ),
+    (
+        Shadowing::Occupancy,
+        "shadow_occupancy",
+        include_str!("../../../../shaders/wgsl/shadow_occupancy.wgsl"),
+        "k < slab;",
+        "k <= slab;",
+    ),
+    (
+        Shadowing::DeepOpacity,
+        "shadow_deep_opacity",
+        include_str!("../../../../shaders/wgsl/shadow_deep_opacity.wgsl"),
+        "select(shadow_filtered[at + below], 0.0, below == 0u)",
+        "0.0",
+    ),
+    (
+        Shadowing::DeepShadow,
+        "shadow_deep_shadow",
+        include_str!("../../../../shaders/wgsl/shadow_deep_shadow.wgsl"),
+        "light = mix(light, packed_value(next)",
+        "light = mix(1.0, packed_value(next)",
+    ),
+    (
+        Shadowing::Voxels,
+        "shadow_voxels",
+        include_str!("../../../../shaders/wgsl/shadow_voxels.wgsl"),
+        "w * (w - along)",
+        "w * along",
+    ),
+];
+
+#[test]
+fn a_fault_in_any_technique_is_found_out() {
     let points = cluster(1500);
-    let mut wrong = Vec::new();
-    for light in [key(), lamp()] {
-        for shadowing in techniques() {
-            let [error, bias] = errors(&points, &light, shadowing);
-            println!("{shadowing:?}: mean error {error:.4}, bias {bias:.4}");
-            // Measured values and about a third more; what knows only the front of the hair is far off.
-            let (most, most_bias) = match shadowing {
-                Shadowing::Off => (0.0, 0.0),
-                Shadowing::ShadowMap => (0.32, 0.32),
-                Shadowing::Exponential => (0.26, 0.25),
-                Shadowing::OpacityMaps | Shadowing::Clusters | Shadowing::DeepShadow => (0.04, 0.015),
-                Shadowing::Occupancy => (0.04, 0.02),
-                Shadowing::DeepOpacity => (0.045, 0.02),
-                Shadowing::Voxels => (0.05, 0.015),
-            };
-            if !(error < most && bias.abs() < most_bias) {
-                wrong.push(format!("{shadowing:?}: mean error {error}, bias {bias}"));
-            }
+    for shadowing in techniques() {
+        let faults: Vec<_> = FAULTS.iter().filter(|fault| fault.0 == shadowing).collect();
+        assert!(!faults.is_empty(), "{shadowing:?} has no fault to be found");
+        for (_, file, text, said, instead) in faults {
+            assert!(text.contains(said), "{file} does not say `{said}`");
+            let library = ShaderLibrary::embedded().with_file(file, &text.replacen(said, instead, 1));
+            let wrong =
+                errs_too_much(&library, &points, &key(), shadowing).or_else(|| slab_is_off(&library, shadowing));
+            assert!(wrong.is_some(), "{shadowing:?}: nobody sees that {file} says `{instead}`");
         }
     }
-    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// Sheets of parallel strands across z, each covering `covered` of what is behind it, 0.1 cm apart from z = 2 down.
@@ -103,8 +182,8 @@ fn slab(n_sheets: u32, covered: f32) -> Vec<Vec3> {
     (0..n_sheets).flat_map(|sheet| (0..n_rows).flat_map(move |row| strand(sheet, row))).collect()
 }
 
-#[test]
-fn a_slab_holds_back_what_its_area_says() {
+/// What is wrong with a technique at any depth of a slab.
+fn slab_is_off(library: &ShaderLibrary, shadowing: Shadowing) -> Option<String> {
     // 40 sheets of 0.1 in 4 cm: one optical depth a centimetre.
     let points = slab(40, 0.1);
     let front = Light::directional("front", 0.0, 0.0, 1.0, [1.0; 3]);
@@ -112,41 +191,46 @@ fn a_slab_holds_back_what_its_area_says() {
     let at: Vec<Vec3> = (depths.iter())
         .flat_map(|&depth| (0..16).map(move |k| Vec3::new(0.13 * k as f32 - 1.0, 1.0 - 0.11 * k as f32, 2.05 - depth)))
         .collect();
-    let mut wrong = Vec::new();
-    for shadowing in techniques() {
-        let answers = look_up(&points, &at, front.clone(), shadowing, &params(), None);
-        for (depth, answers) in depths.iter().zip(answers.chunks(16)) {
-            let left = answers.iter().map(|answer| (-answer[0]).exp()).sum::<f32>() / 16.0;
-            let exact = match shadowing {
-                Shadowing::ShadowMap => 0.0,
-                Shadowing::Exponential => (-params().falloff * depth).exp(),
-                Shadowing::Off
-                | Shadowing::OpacityMaps
-                | Shadowing::Clusters
-                | Shadowing::DeepOpacity
-                | Shadowing::Occupancy
-                | Shadowing::DeepShadow
-                | Shadowing::Voxels => (-depth).exp(),
-            };
-            println!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}");
-            // Half a texel before a place is left out, half a cell of the grid; where the first sheet leaves a texel open,
-            // the front is a sheet or two behind; and the filter's front is its neighbours'.
-            let tolerance = match shadowing {
-                Shadowing::Voxels => 0.12,
-                Shadowing::Exponential => 0.08,
-                Shadowing::DeepOpacity => 0.075,
-                Shadowing::Off
-                | Shadowing::ShadowMap
-                | Shadowing::OpacityMaps
-                | Shadowing::Clusters
-                | Shadowing::Occupancy
-                | Shadowing::DeepShadow => 0.05,
-            };
-            if (left - exact).abs() >= tolerance {
-                wrong.push(format!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}"));
-            }
+    let answers = look_up_by(library, &points, &at, &[front], shadowing, &params(), None).remove(0);
+    let mut wrong = None;
+    for (depth, answers) in depths.iter().zip(answers.chunks(16)) {
+        let left = answers.iter().map(|answer| (-answer[0]).exp()).sum::<f32>() / 16.0;
+        let exact = match shadowing {
+            Shadowing::ShadowMap => 0.0,
+            Shadowing::Exponential => (-params().falloff * depth).exp(),
+            Shadowing::Off
+            | Shadowing::OpacityMaps
+            | Shadowing::Clusters
+            | Shadowing::DeepOpacity
+            | Shadowing::Occupancy
+            | Shadowing::DeepShadow
+            | Shadowing::Voxels => (-depth).exp(),
+        };
+        println!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}");
+        // Half a texel before a place is left out, half a cell of the grid; where the first sheet leaves a texel open,
+        // the front is a sheet or two behind; and the filter's front is its neighbours'.
+        let tolerance = match shadowing {
+            Shadowing::Voxels => 0.12,
+            Shadowing::Exponential => 0.08,
+            Shadowing::DeepOpacity => 0.075,
+            Shadowing::Off
+            | Shadowing::ShadowMap
+            | Shadowing::OpacityMaps
+            | Shadowing::Clusters
+            | Shadowing::Occupancy
+            | Shadowing::DeepShadow => 0.05,
+        };
+        if (left - exact).abs() >= tolerance {
+            wrong = Some(format!("{shadowing:?}: at {depth} cm {left:.3} of {exact:.3}"));
         }
     }
+    wrong
+}
+
+#[test]
+fn a_slab_holds_back_what_its_area_says() {
+    let library = ShaderLibrary::embedded();
+    let wrong: Vec<String> = techniques().filter_map(|shadowing| slab_is_off(&library, shadowing)).collect();
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
@@ -304,4 +388,31 @@ fn polylines_on_the_gpu_are_those_of_the_cpu() {
         }
     }
     assert!(n_all > 500 && n_few as f32 > 0.95 * n_all as f32, "{n_few} of {n_all} nodes agree");
+}
+
+#[test]
+fn deep_shadow_maps_without_room_for_every_fragment_are_grainy_and_not_wrong() {
+    // Strands that go to and fro: several times as long as the room is guessed for.
+    let ends = cluster(900);
+    let points: Vec<Vec3> = ends
+        .chunks(N_PER_STRAND as usize)
+        .flat_map(|strand| {
+            let (a, b) = (strand[0], strand[N_PER_STRAND as usize - 1]);
+            (0..N_PER_STRAND).map(move |k| if k % 2 == 0 { a + 0.1 * k as f32 } else { b - 0.1 * k as f32 })
+        })
+        .collect();
+    let n_guessed = 900.0 * f64::from(params().resolution);
+    let texels_per_cm = f64::from(params().resolution) / (2.0 * f64::from(BALL.radius));
+    let length: f64 = (points.chunks(N_PER_STRAND as usize))
+        .flat_map(|strand| strand.windows(2).map(|two| f64::from(two[0].distance(two[1]))))
+        .sum();
+    assert!(0.6 * length * texels_per_cm > 1.3 * n_guessed, "there is room for {n_guessed} fragments, and no more");
+    let scatter = include_str!("../../../../shaders/wgsl/shadow_sink_scatter.wgsl");
+    let unweighted = ShaderLibrary::embedded().with_file("shadow_sink_scatter", &scatter.replace("weight * ", ""));
+    for light in [key(), lamp()] {
+        let [error, bias] = errors(&ShaderLibrary::embedded(), &points, &light, Shadowing::DeepShadow);
+        let [_, lost] = errors(&unweighted, &points, &light, Shadowing::DeepShadow);
+        println!("mean error {error:.4}, bias {bias:.4}; where what is left out is lost, bias {lost:.4}");
+        assert!(error < 0.075 && bias.abs() < 0.03 && lost > bias + 0.03, "mean error {error}, bias {bias}, {lost}");
+    }
 }

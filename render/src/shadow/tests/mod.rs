@@ -68,15 +68,27 @@ fn look_up_all(
     params: &ShadowParams,
     head: Option<&TriMesh>,
 ) -> Vec<Vec<[f32; 4]>> {
+    look_up_by(&ShaderLibrary::embedded(), points, at, lights, shadowing, params, head)
+}
+
+/// As [`look_up_all`], with these shaders.
+fn look_up_by(
+    library: &ShaderLibrary,
+    points: &[Vec3],
+    at: &[Vec3],
+    lights: &[Light],
+    shadowing: Shadowing,
+    params: &ShadowParams,
+    head: Option<&TriMesh>,
+) -> Vec<Vec<[f32; 4]>> {
     let gpu = Gpu::headless().unwrap();
-    let library = ShaderLibrary::embedded();
     let strands = strand_buffers(&gpu, points);
     let mut shadow = Shadow::new(&gpu);
     shadow.set_head(&gpu, head);
     let lights = SceneLights::new(lights);
     let world_from_head = Affine3A::IDENTITY;
     let input = ShadowInput { shadowing, params, lights: &lights, ball: BALL, world_from_head, head_casts: true };
-    shadow.prepare(&gpu, &library, &strands, &input).unwrap();
+    shadow.prepare(&gpu, library, &strands, &input).unwrap();
     let kernel = library.kernel(&gpu, "shadow_probe", "probe", &[], &slot::shadowing(shadowing)).unwrap();
     let places: Vec<[f32; 4]> = (0..lights.lights.len())
         .flat_map(|light_idx| at.iter().map(move |p| p.extend(light_idx as f32).to_array()))
