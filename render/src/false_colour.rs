@@ -60,6 +60,7 @@ pub fn strand_colours(view: FalseColour, binding: &LayerBinding, layer_idx: usiz
         | FalseColour::Depth
         | FalseColour::Coverage
         | FalseColour::Transmittance
+        | FalseColour::ShadowLayer
         | FalseColour::Normals => return None,
     };
     Some((0..n).map(colour).collect())
@@ -158,7 +159,7 @@ impl FalseColourPass {
         let key = (input.look.view, input.look.shadowing);
         let make = |library: &ShaderLibrary| {
             let mut links = slot::shadowing(key.1);
-            links.push(slot::view_colour(key.0));
+            links.extend([slot::view_colour(key.0), slot::shadow_part(key.1)]);
             library.kernel(gpu, "view_vertex", "paint", &[], &links)
         };
         if let Some(kernel) = self.paint.get_mut(&key) {
@@ -168,7 +169,8 @@ impl FalseColourPass {
         }
         self.send_layers(gpu, strands);
         self.send_colours(gpu, input);
-        gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&[input.look.view_params.light, 0, 0, 0]));
+        let shown = [input.look.view_params.light, input.look.view_params.layer, 0, 0];
+        gpu.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(&shown));
         let kernel = &self.paint[&key];
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("view"), timestamp_writes: None });

@@ -5,10 +5,13 @@ use std::sync::Arc;
 use glam::Affine3A;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Layer, Source};
-use lorelei_core::look::Background;
+use lorelei_core::light::Light;
+use lorelei_core::look::view::part_colour;
+use lorelei_core::look::{Background, LayerSpacing, ShadowParams, Transparency};
 use lorelei_core::strands::Strands;
 
 use super::*;
+use crate::scene::Ball;
 use crate::{FrameInput, Renderer};
 
 const SIZE: [u32; 2] = [128, 64];
@@ -106,4 +109,63 @@ fn strands_that_lie_over_each_other_are_counted() {
         assert!(is_near(five, ramp(0.5)), "{view:?}: five of ten are {five:?}");
         assert!(is_near(one, ramp(0.1)), "{view:?}: one of ten is {one:?}");
     }
+}
+
+#[test]
+fn layers_of_every_shadow_technique_are_told_apart() {
+    let gpu = Gpu::headless().unwrap();
+    let mut renderer = Renderer::new(&gpu, ShaderLibrary::embedded()).unwrap();
+    let mut groom = groom();
+    // The lamp is behind; each strand that is seen has another 2.5 cm behind it.
+    for layer in &mut groom.layers {
+        let Source::Strands(one) = layer.source.clone() else { panic!("it was made of strands") };
+        let mut two = (*one).clone();
+        two.push(&one.points.iter().map(|&p| p - 2.5 * Vec3::Z).collect::<Vec<_>>());
+        layer.source = Source::Strands(Arc::new(two));
+    }
+    groom.lights = vec![Light::directional("rim", 180.0, 0.0, 1.0, [1.0; 3])];
+    groom.look.view = FalseColour::ShadowLayer;
+    groom.look.shadows = ShadowParams {
+        n_layers: 5,
+        layer_size: 1.0,
+        layer_spacing: LayerSpacing::Constant,
+        n_slices: 8,
+        resolution: 256,
+        ..ShadowParams::default()
+    };
+    let ball = Ball::of_groom(&groom);
+    let slice = ((ball.radius - ball.centre.z) / (2.0 * ball.radius) * 8.0) as u32;
+    // From the lamp, the strands are 2.5 cm behind the front; and the last of two.
+    for (shadowing, part) in [
+        (Shadowing::DeepOpacity, Some((2, 5))),
+        (Shadowing::OpacityMaps, Some((slice, 8))),
+        (Shadowing::Clusters, Some((3, 4))),
+        (Shadowing::Occupancy, Some((3, 4))),
+        (Shadowing::Off, None),
+        (Shadowing::ShadowMap, None),
+        (Shadowing::DeepShadow, None),
+        (Shadowing::Voxels, None),
+    ] {
+        groom.look.shadowing = shadowing;
+        groom.look.view_params.layer = 0;
+        let [got, _] = shown(&groom, &mut renderer);
+        let expected = part.map_or(NO_COLOUR, |(part, n)| part_colour(part, n));
+        assert!(is_near(got, expected), "{shadowing:?}: {got:?} for {expected:?}");
+        let Some((part, _)) = part else { continue };
+        // Strands as wide as these let hardly anything through.
+        groom.look.view_params.layer = part + 1;
+        let [got, _] = shown(&groom, &mut renderer);
+        let apart = got.iter().zip(ramp(1.0)).map(|(got, expected)| (got - expected).abs()).fold(0.0, f32::max);
+        assert!(apart < 0.05, "{shadowing:?}, its own layer alone: {got:?}");
+        groom.look.view_params.layer = part;
+        let [got, _] = shown(&groom, &mut renderer);
+        assert!(is_near(got, NO_COLOUR), "{shadowing:?}, another layer alone: {got:?}");
+    }
+    // Two strands are two slices.
+    groom.look.transparency = Transparency::HalfAngle;
+    groom.look.view_params.layer = 0;
+    groom.layers.truncate(1);
+    groom.look.drawing.n_slices = 2;
+    let [got, _] = shown(&groom, &mut renderer);
+    assert!(is_near(got, part_colour(1, 2)), "half-angle: {got:?}");
 }

@@ -13,12 +13,12 @@ use wgpu::BufferUsages;
 
 use crate::bound::Bound;
 use crate::false_colour::{FalseColourInput, FalseColourPass, drawn_look};
-use crate::fragments::{Blended, FragmentInput, Fragments, Resources, TooWide, Way, way};
+use crate::fragments::{Blended, FragmentInput, Fragments, HalfAngle, Resources, Slicing, TooWide, Way, way};
 use crate::frame::{FrameInput, Targets};
 use crate::generate::{StrandGenerator, StrandPose};
 use crate::head::{HeadInput, HeadPass, TooManyTriangles};
 use crate::inspect::{InspectError, InspectInput, Inspection, Inspector};
-use crate::mirror::{Mirror, MirrorError};
+use crate::mirror::{DrawnLayer, Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyTiles, TooManyVertices};
@@ -114,6 +114,7 @@ pub struct Renderer {
     threads: Threads,
     raster: Raster,
     blended: Blended,
+    half_angle: HalfAngle,
     fragments: Fragments,
     downsample: Downsample,
     resolve: ResolvePass,
@@ -145,6 +146,7 @@ impl Renderer {
             raster: Raster::new(gpu, &library)?,
             threads,
             blended: Blended::new(gpu, &library)?,
+            half_angle: HalfAngle::default(),
             fragments: Fragments::new(gpu, &library)?,
             downsample: Downsample::new(gpu, &library)?,
             resolve: ResolvePass::new(gpu),
@@ -398,6 +400,9 @@ impl Renderer {
         if !matches!(drawn.0, Way::Passes(_)) {
             self.fragments.release();
         }
+        if drawn.0 != Way::Sliced {
+            self.half_angle.release();
+        }
         match drawn {
             (Way::InOrder, Primitive::Compute) => {
                 profile.pass("raster.count", encoder, |encoder| self.raster.record_count(gpu, encoder, strands))?;
@@ -406,6 +411,16 @@ impl Renderer {
             (Way::InOrder, Primitive::Ribbons | Primitive::Polylines) | (Way::Blended, _) => {
                 profile.pass("blended", encoder, |encoder| self.blended.record(gpu, library, encoder, &fragments))?;
             }
+            (Way::Sliced, _) => profile.pass("sliced", encoder, |encoder| {
+                let slicing = Slicing {
+                    lights: &lights,
+                    ball: self.ball,
+                    world_from_head: input.world_from_head,
+                    to_eye: (input.camera.eye() - input.camera.target).normalize_or(Vec3::Z),
+                    n_segments: strands.layers.iter().map(DrawnLayer::n_segments).sum(),
+                };
+                self.half_angle.record(gpu, library, encoder, &fragments, &slicing)
+            })?,
             (Way::Passes(technique), _) => profile.pass("fragments", encoder, |encoder| {
                 self.fragments.record(gpu, library, encoder, &technique, &fragments)
             })?,
@@ -541,6 +556,7 @@ impl Renderer {
             + match self.groom.as_ref().map(|groom| drawn_as(&groom.look)) {
                 Some((Way::InOrder, Primitive::Compute)) | None => self.raster.n_bytes(),
                 Some((Way::InOrder | Way::Blended, _)) => self.blended.n_bytes(),
+                Some((Way::Sliced, _)) => self.half_angle.n_bytes(),
                 Some((Way::Passes(_), _)) => self.fragments.n_bytes(),
             };
         FrameStatistics {
@@ -556,6 +572,7 @@ impl Renderer {
                 + self.shadow.n_bytes()
                 + self.raster.n_bytes()
                 + self.blended.n_bytes()
+                + self.half_angle.n_bytes()
                 + self.fragments.n_bytes()
                 + self.false_colours.n_bytes(),
         }
@@ -589,6 +606,7 @@ impl Renderer {
             .or(self.head.shader_error())
             .or(self.raster.shader_error())
             .or(self.blended.shader_error())
+            .or(self.half_angle.shader_error())
             .or(self.fragments.shader_error())
             .or(self.downsample.shader_error())
             .or(self.resolve.shader_error())

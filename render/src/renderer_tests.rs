@@ -121,7 +121,7 @@ fn every_transparency_is_as_near_the_exact_picture_as_it_promises() {
             println!("{primitive:?} {transparency:?}: rmse {rmse:.4}, coverage {coverage:.3}");
             // Measured, and a third more.
             let most = match transparency {
-                Transparency::FrontToBack | Transparency::Sorted => 0.0083,
+                Transparency::FrontToBack | Transparency::Sorted | Transparency::HalfAngle => 0.0083,
                 Transparency::Occupancy | Transparency::KNearest => 0.0107,
                 Transparency::WeightedAverage | Transparency::DepthPeeling => 0.0130,
                 Transparency::Stochastic => 0.053,
@@ -135,6 +135,7 @@ fn every_transparency_is_as_near_the_exact_picture_as_it_promises() {
             let is_unbiased = match transparency {
                 Transparency::FrontToBack
                 | Transparency::Sorted
+                | Transparency::HalfAngle
                 | Transparency::Occupancy
                 | Transparency::KNearest
                 | Transparency::WeightedAverage

@@ -49,12 +49,14 @@ const POINT_RADIUS: f32 = 3.0;
 pub struct SceneLights {
     pub lights: Vec<SceneLight>,
     pub casts_shadow: Vec<bool>,
+    /// Which of the groom's lights each is of.
+    pub of_light: Vec<u32>,
 }
 
 impl SceneLights {
     pub fn new(lights: &[Light]) -> Self {
         let mut scene = Self::default();
-        for light in lights.iter().filter(|light| light.on) {
+        for (light_idx, light) in lights.iter().enumerate().filter(|(_, light)| light.on) {
             let e = Vec3::from_array(light.colour) * light.intensity * std::f32::consts::PI;
             let mut push = |place: Vec3, w: f32, irradiance: Vec3, axis: Option<Vec3>, radius: f32| {
                 scene.lights.push(SceneLight {
@@ -65,6 +67,7 @@ impl SceneLights {
                     radius,
                 });
                 scene.casts_shadow.push(light.casts_shadow);
+                scene.of_light.push(light_idx as u32);
             };
             let at_1_cm = e * INTENSITY_DISTANCE * INTENSITY_DISTANCE;
             match light.kind {

@@ -76,8 +76,13 @@ impl Draw {
 
     /// Record a draw of vertices without instances.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &Bindings, n_vertices: u32) {
+        self.draw_range(pass, bindings, 0..n_vertices);
+    }
+
+    /// Record a draw of some of the vertices: `vertex_index` begins at the range's start.
+    pub fn draw_range(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &Bindings, vertices: std::ops::Range<u32>) {
         self.set(pass, bindings);
-        pass.draw(0..n_vertices, 0..1);
+        pass.draw(vertices, 0..1);
     }
 
     /// Record a draw whose counts (vertices, instances, first vertex, first instance: four `u32`) are in a buffer.

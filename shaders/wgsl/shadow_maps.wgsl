@@ -1,6 +1,7 @@
 // Slot `shadow`: what of a light arrives, from a map of the hair for each light and a depth map of the head. How a texel
 // tells optical depth is the slot `shadow_technique`.
 // slot: shadow
+// slot: shadow_others
 #define_import_path lorelei::shadow_maps
 #import lorelei::shadow_map::{shadow_params, shadow_lights, map_place}
 #import lorelei::shadow_past_head::{is_unmapped, head_front, past_head_at, past_head_of, N_TAPS, disc_tap, blur_of}

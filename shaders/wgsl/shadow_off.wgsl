@@ -1,5 +1,6 @@
 // Slot `shadow`: no light is lost.
 // slot: shadow
+// slot: shadow_others
 #define_import_path lorelei::shadow_off
 
 fn hair_depth(light_idx: u32, position: vec3<f32>) -> f32 {

@@ -1,6 +1,7 @@
 // Slot `shadow`: one grid of hair for all lights, marched from a place towards each of them. Steps grow with the distance:
 // what is near matters more, and most of the way out is empty.
 // slot: shadow
+// slot: shadow_others
 #define_import_path lorelei::shadow_voxels
 #import lorelei::shadow_map::{ShadowLight, shadow_params, shadow_lights, map_place}
 #import lorelei::shadow_past_head::{is_unmapped, head_front, past_head_at, past_head_of, N_TAPS, disc_tap, blur_of}

@@ -97,6 +97,7 @@ fn promised(transparency: Transparency) -> Coverage {
         | Transparency::Stochastic
         | Transparency::WeightedAverage
         | Transparency::Sorted
+        | Transparency::HalfAngle
         | Transparency::DepthPeeling
         | Transparency::Occupancy
         | Transparency::KNearest => Coverage::Right,

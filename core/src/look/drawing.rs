@@ -35,6 +35,7 @@ choices! {
         WeightedAverage = "weighted-average", "Weighted average", "Colours averaged whatever their order (Bavoil and Myers 2008)";
         ThreeSubsets = "three-subsets", "Three subsets", "The nearest opaque strand of each third of the strands, averaged: fake transparency";
         Sorted = "sorted", "Sorted segments", "Segments sorted from back to front on the GPU and blended by the graphics pipeline";
+        HalfAngle = "half-angle", "Half-angle slices", "Slices across the vector half way between eye and light, each lit by what those before it let through: shadow and transparency at once (Ikits et al. 2004)";
         DepthPeeling = "depth-peeling", "Depth peeling", "Layer after layer from the front, exact as far as it goes (Everitt 2001)";
         Occupancy = "occupancy", "Occupancy maps", "The order of fragments from bits of occupied slices (Sintorn and Assarsson 2009)";
         KNearest = "k-nearest", "Nearest and tail", "The nearest few exactly, what is behind them by its transmittance in slabs";
@@ -62,11 +63,27 @@ pub struct DrawingParams {
     pub seed: u32,
     pub n_layers: u32,
     pub n_nearest: u32,
+    /// Half-angle slices: how many.
+    pub n_slices: u32,
+    /// Half-angle slices: the number of the light that shines through them, counted from 1 among the groom's.
+    pub slices_light: u32,
+    /// Half-angle slices: side of the light's buffer in texels.
+    pub slices_resolution: u32,
 }
 
 impl Default for DrawingParams {
     fn default() -> Self {
-        Self { opacity: 1.0, alpha_cutoff: 0.15, n_samples: 8, seed: 0, n_layers: 16, n_nearest: 4 }
+        Self {
+            opacity: 1.0,
+            alpha_cutoff: 0.15,
+            n_samples: 8,
+            seed: 0,
+            n_layers: 16,
+            n_nearest: 4,
+            n_slices: 64,
+            slices_light: 1,
+            slices_resolution: 1024,
+        }
     }
 }
 
@@ -99,7 +116,17 @@ pub(super) fn antialiasing(choice: &mut Antialiasing) -> Slot<'_> {
 }
 
 pub(super) fn transparency<'a>(choice: &'a mut Transparency, params: &'a mut DrawingParams) -> Slot<'a> {
-    let DrawingParams { opacity, alpha_cutoff, n_samples, seed, n_layers, n_nearest } = params;
+    let DrawingParams {
+        opacity,
+        alpha_cutoff,
+        n_samples,
+        seed,
+        n_layers,
+        n_nearest,
+        n_slices,
+        slices_light,
+        slices_resolution,
+    } = params;
     Slot {
         key: "transparency",
         label: "Transparency",
@@ -159,6 +186,34 @@ pub(super) fn transparency<'a>(choice: &'a mut Transparency, params: &'a mut Dra
                 n_nearest,
                 &["k-nearest"],
                 "Fragments of a pixel that are composited one by one",
+            ),
+            integer(
+                "transparency.slices",
+                "Slices",
+                "",
+                (16, 256),
+                n_slices,
+                &["half-angle"],
+                "Slices of equally many segments: hair of one slice does not shadow itself",
+            ),
+            integer(
+                "transparency.light",
+                "Light",
+                "",
+                (1, 16),
+                slices_light,
+                &["half-angle"],
+                "The light that shines through the slices, counted from 1; the next that is on and casts shadows, where \
+                 this one does not. All others use the chosen shadowing",
+            ),
+            integer(
+                "transparency.resolution",
+                "Light buffer",
+                "texels",
+                (128, 4096),
+                slices_resolution,
+                &["half-angle"],
+                "Side of the buffer that the slices' shadow is added up in",
             ),
         ],
     }

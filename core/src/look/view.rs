@@ -20,6 +20,7 @@ choices! {
         Depth = "depth", "Depth complexity", "Strands that a ray through the pixel meets, on average: the sum of their coverage";
         Coverage = "coverage", "Coverage", "Share of a pixel that hair hides: the picture's alpha before the head and the background";
         Transmittance = "transmittance", "Light transmittance", "What of the lamps' light gets through hair and past the head to each strand";
+        ShadowLayer = "shadow-layer", "Shadow layers", "Which layer, slice or cluster of a lamp's shadow each strand lies in; grey where the technique has none";
         Normals = "normals", "Normals of the body", "Which way the head's surface faces, in the world; hair is left out";
     }
 }
@@ -50,6 +51,8 @@ impl FalseColour {
             Self::Depth => ramp("strands a ray", 0.0, params.most),
             Self::Coverage => ramp("share", 0.0, 1.0),
             Self::Transmittance => ramp("share of the light", 0.0, 1.0),
+            Self::ShadowLayer if params.layer == 0 => Legend::Parts,
+            Self::ShadowLayer => ramp("of the light, taken by it", 0.0, 1.0),
         }
     }
 }
@@ -75,6 +78,8 @@ pub enum Legend {
     Own(&'static str),
     /// Every layer has [`layer_colour`].
     Layers,
+    /// Layers, slices or clusters of a shadow have [`part_colour`], from the lamp on; grey: none.
+    Parts,
 }
 
 /// Numbers of the views.
@@ -85,11 +90,13 @@ pub struct ViewParams {
     pub most: f32,
     /// 0: the mean over all lamps; else the lamp's number, counted from 1.
     pub light: u32,
+    /// 0: every layer of the shadow in its colour; else what the layer of this number, from 1, takes of the light.
+    pub layer: u32,
 }
 
 impl Default for ViewParams {
     fn default() -> Self {
-        Self { most: 32.0, light: 0 }
+        Self { most: 32.0, light: 0, layer: 0 }
     }
 }
 
@@ -115,8 +122,19 @@ pub(super) fn view<'a>(choice: &'a mut FalseColour, params: &'a mut ViewParams) 
                 "",
                 (0, 64),
                 &mut params.light,
-                &["transmittance"],
-                "The lamp's number among those that are on; a square lamp counts as four. 0: the mean of all",
+                &["transmittance", "shadow-layer"],
+                "The lamp's number among those that are on; a square lamp counts as four. 0: the mean of all, or for \
+                 shadow layers the first",
+            ),
+            integer(
+                "view.layer",
+                "Only layer",
+                "",
+                (0, 256),
+                &mut params.layer,
+                &["shadow-layer"],
+                "Show what of the light this layer, slice or cluster takes, counted from 1 at the lamp. 0: all, each in \
+                 its colour",
             ),
         ],
     }
@@ -157,6 +175,12 @@ pub fn hue_colour(hue: f32, saturation: f32, value: f32) -> [f32; 3] {
         // Red is at the hue's two ends, where the wave is 2.
         value * (1.0 - saturation * (1.0 - wave.clamp(0.0, 1.0)))
     })
+}
+
+/// The colour of a layer, slice or cluster of a shadow, encoded for a display: from red over green to violet away from the
+/// lamp, every second one darker. Twin of `part_colour` in `view_parts.wgsl`.
+pub fn part_colour(part: u32, n: u32) -> [f32; 3] {
+    hue_colour(0.8 * (part as f32 + 0.5) / n.max(1) as f32, 0.85, if part % 2 == 1 { 0.75 } else { 1.0 })
 }
 
 /// The colour of a layer, encoded for a display: eight that are told apart, then again.

@@ -48,13 +48,10 @@ impl Blended {
     ) -> Result<(), crate::RenderError> {
         let look = input.look;
         self.keys.refresh(library, |library| make_keys(gpu, library));
-        // Strips stand for what is drawn by the compute path, too: there is nothing to blend with.
-        let primitive = match look.primitive {
-            Primitive::Compute | Primitive::Ribbons => Primitive::Ribbons,
-            Primitive::Polylines => Primitive::Polylines,
-        };
+        let primitive = drawn_primitive(look);
         let key = (primitive, links_of(look));
-        let make = |library: &ShaderLibrary| make_draw(gpu, library, primitive, &key.1);
+        let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+        let make = |library: &ShaderLibrary| make_draw(gpu, library, primitive, &key.1, over);
         if let Some(draw) = self.draws.get_mut(&key) {
             draw.refresh(library, make);
         } else {
@@ -94,6 +91,14 @@ impl Blended {
     }
 }
 
+/// Strips stand for what is drawn by the compute path, too: there is nothing to blend with.
+pub(super) fn drawn_primitive(look: &Look) -> Primitive {
+    match look.primitive {
+        Primitive::Compute | Primitive::Ribbons => Primitive::Ribbons,
+        Primitive::Polylines => Primitive::Polylines,
+    }
+}
+
 fn make_keys(gpu: &Gpu, library: &ShaderLibrary) -> Result<Kernel, ShaderError> {
     library.kernel(gpu, "ribbons_keys", "write_keys", &[], &[])
 }
@@ -104,21 +109,19 @@ fn links_of(look: &Look) -> Vec<Link<'static>> {
     links
 }
 
-fn make_draw(
+/// The segments of a list (`order` of ribbons.wgsl) blended one after the other.
+pub(super) fn make_draw(
     gpu: &Gpu,
     library: &ShaderLibrary,
     primitive: Primitive,
     links: &[Link<'static>],
+    blend: wgpu::BlendState,
 ) -> Result<Draw, ShaderError> {
     let (vertex, fragment, topology) = match primitive {
         Primitive::Compute | Primitive::Ribbons => ("strip", "strip_fragment", wgpu::PrimitiveTopology::TriangleList),
         Primitive::Polylines => ("line", "line_fragment", wgpu::PrimitiveTopology::LineList),
     };
-    let target = wgpu::ColorTargetState {
-        format: COLOUR,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        write_mask: wgpu::ColorWrites::ALL,
-    };
+    let target = wgpu::ColorTargetState { format: COLOUR, blend: Some(blend), write_mask: wgpu::ColorWrites::ALL };
     let descriptor = DrawDescriptor {
         vertex,
         fragment: Some(fragment),

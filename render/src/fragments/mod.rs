@@ -8,6 +8,7 @@
 //! fragments_*.wgsl      slot `sink`: what is done to a fragment
 //! composite_*.wgsl      pixels from what the sinks have gathered
 //! blended.rs            what needs an order instead: sorted segments, blended by the graphics pipeline
+//! half_angle.rs         the same in slices that light one another
 //! ```
 //!
 //! So a technique is written once, whatever draws it. Where buffers of the whole picture are too large for the device
@@ -18,7 +19,11 @@
 //! device; two passes of 32 bits give the same picture).
 
 mod blended;
+mod half_angle;
 mod technique;
+
+#[cfg(test)]
+mod hashed_tests;
 
 use std::collections::HashMap;
 
@@ -31,6 +36,7 @@ use crate::frame::COLOUR;
 use crate::slot;
 
 pub(crate) use blended::Blended;
+pub(crate) use half_angle::{HalfAngle, Slicing};
 pub(crate) use technique::{Technique, Way, way};
 
 /// Bytes of all buffers together, at most; more rows of the picture at a time are hardly faster.

@@ -14,6 +14,8 @@ pub(crate) enum Way {
     InOrder,
     /// Sorted segments blended in order, by the graphics pipeline whatever the primitive.
     Blended,
+    /// The same by slices that light one another.
+    Sliced,
     /// Passes over all fragments.
     Passes(Technique),
 }
@@ -83,6 +85,7 @@ pub(crate) fn way(transparency: Transparency, antialiasing: Antialiasing, params
     match transparency {
         Transparency::FrontToBack => Way::InOrder,
         Transparency::Sorted => Way::Blended,
+        Transparency::HalfAngle => Way::Sliced,
         Transparency::Opaque => sampled("keep_opaque", samples_of(antialiasing)),
         Transparency::AlphaTest => sampled("keep_alpha_test", samples_of(antialiasing)),
         Transparency::Hashed => sampled("keep_hashed", samples_of(antialiasing)),

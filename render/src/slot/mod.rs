@@ -9,4 +9,4 @@ mod view;
 pub use drawing::{antialiasing, background, shading_rate, supersampling, tonemapping};
 pub use scattering::{environment, lobes, multiple_scattering, scattering};
 pub use shadowing::shadowing;
-pub use view::{view_colour, view_picture};
+pub use view::{shadow_part, view_colour, view_picture};

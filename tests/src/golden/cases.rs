@@ -33,6 +33,7 @@ impl Case {
             Transparency::FrontToBack
             | Transparency::WeightedAverage
             | Transparency::Sorted
+            | Transparency::HalfAngle
             | Transparency::DepthPeeling
             | Transparency::Occupancy
             | Transparency::KNearest => true,
@@ -52,6 +53,7 @@ impl Case {
         let is_ordered = match look.transparency {
             Transparency::FrontToBack
             | Transparency::Sorted
+            | Transparency::HalfAngle
             | Transparency::DepthPeeling
             | Transparency::Occupancy
             | Transparency::KNearest

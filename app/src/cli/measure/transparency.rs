@@ -25,8 +25,8 @@ const OPACITIES: [f32; 3] = [0.1, 0.3, 1.0];
 const N_FRAMES: u32 = 5;
 const LONG_ENOUGH: Duration = Duration::from_millis(400);
 /// Passes that turn shaded strands into pixels.
-const PASSES: [&str; 6] =
-    ["raster.count", "raster.scatter", "raster.fine", "raster.more_rounds", "blended", "fragments"];
+const PASSES: [&str; 7] =
+    ["raster.count", "raster.scatter", "raster.fine", "raster.more_rounds", "blended", "sliced", "fragments"];
 
 /// One way of drawing one groom.
 struct Row {

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use lorelei_core::groom::Groom;
-use lorelei_core::look::view::{Legend, layer_colour, own_colour, ramp};
+use lorelei_core::look::view::{Legend, layer_colour, own_colour, part_colour, ramp};
 
 use crate::window::state_report::mark;
 use crate::window::theme;
@@ -27,7 +27,7 @@ pub fn ui(ui: &Ui, groom: &Groom, rect: Rect) {
     }
     let n_rows = match legend {
         Legend::None => 0,
-        Legend::Ramp { .. } | Legend::Own(_) => 2,
+        Legend::Ramp { .. } | Legend::Own(_) | Legend::Parts => 2,
         Legend::Names(_) => 3,
         Legend::Layers => groom.layers.len(),
     };
@@ -72,6 +72,14 @@ pub fn ui(ui: &Ui, groom: &Groom, rect: Rect) {
                 ui.painter().rect_filled(chip, 2.0, colour32(own_colour(i)));
             }
             text(ui, body + vec2(0.0, 15.0), &format!("a colour for {what}"), theme::TEXT_WEAK);
+        }
+        Legend::Parts => {
+            for i in 0..12_u32 {
+                let chip =
+                    Rect::from_min_size(body + vec2(i as f32 * width / 12.0, 0.0), vec2(width / 12.0 - 2.0, 12.0));
+                ui.painter().rect_filled(chip, 2.0, colour32(part_colour(i, 12)));
+            }
+            text(ui, body + vec2(0.0, 15.0), "layers from the lamp on; grey: none", theme::TEXT_WEAK);
         }
         Legend::Layers => {
             for (layer_idx, layer) in groom.layers.iter().enumerate() {

@@ -1,0 +1,26 @@
+// What segments are sorted by before they are cut into slices: the farther along the half vector the sooner. Segments that
+// are not there come last.
+#import lorelei::half_angle::{half_angle}
+#import lorelei::raster_frame::{raster, segment_of, NO_VERTEX}
+#import lorelei::strands::{vertices}
+
+@group(0) @binding(auto) var<storage, read_write> keys: array<u32>;
+@group(0) @binding(auto) var<storage, read_write> values: array<u32>;
+
+@compute @workgroup_size(64)
+fn write_keys(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let item = id.x + id.y * n_groups.x * 64u;
+    if item >= raster.n_items {
+        return;
+    }
+    let vertex = segment_of(item);
+    values[item] = vertex;
+    if vertex == NO_VERTEX {
+        keys[item] = 0xFFFFFFFFu;
+        return;
+    }
+    let middle = 0.5 * (vertices[vertex].xyz + vertices[vertex + 1u].xyz);
+    // Bits of numbers of either sign, made to grow as the numbers do.
+    let bits = bitcast<u32>(-dot(middle, half_angle.half_vector));
+    keys[item] = select(bits | 0x80000000u, ~bits, (bits & 0x80000000u) != 0u);
+}
