@@ -132,7 +132,7 @@ const FAULTS: &[(Shadowing, &str, &str, &str, &str)] = &[
         Shadowing::DeepOpacity,
         "shadow_deep_opacity",
         include_str!("../../../../shaders/wgsl/shadow_deep_opacity.wgsl"),
-        "select(shadow_filtered[at + below], 0.0, below == 0u)",
+        "select(filtered(at, below), 0.0, below == 0u)",
         "0.0",
     ),
     (
