@@ -6,7 +6,7 @@ use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::light::{Light, LightKind};
 use lorelei_core::look::view::ramp;
-use lorelei_core::look::{Choice, Environment, Transparency};
+use lorelei_core::look::{Environment, Shadowing, Transparency};
 
 use super::*;
 use crate::renderer::Renderer;
@@ -143,9 +143,12 @@ fn slices_blend_as_sorted_segments_do_whichever_way_they_go() {
 }
 
 #[test]
-fn every_number_of_lights_every_shadowing_and_every_rate_draws() {
+fn any_number_of_lights_draws_at_either_rate_beside_any_sort_of_shadow() {
     let mut renderer = renderer();
-    let mut groom = groom();
+    let mut groom = sample_groom(3_000, 8);
+    groom.layers[0].radius_um = 150.0;
+    groom.look.transparency = Transparency::HalfAngle;
+    groom.look.drawing.n_slices = 16;
     let rect = Light::rect_from_watts("soft", Vec3::new(60.0, 40.0, 90.0), Vec3::ZERO, 40.0, 40.0);
     let off = Light { on: false, ..key(10.0) };
     let shadowless = Light { casts_shadow: false, ..key(20.0) };
@@ -156,21 +159,26 @@ fn every_number_of_lights_every_shadowing_and_every_rate_draws() {
         vec![shadowless, rect.clone()],
         vec![rect, key(170.0)],
     ];
+    let draws = |renderer: &mut Renderer, groom: &Groom| {
+        render(renderer, groom);
+        let covered = renderer.read_hair().unwrap().iter().filter(|pixel| pixel[3] > 0.5).count();
+        assert!(covered > 500, "{covered}");
+    };
     for lights in settings {
         groom.lights = lights;
-        for rate in [ShadingRate::PerVertex, ShadingRate::PerFragment] {
-            for primitive in [Primitive::Compute, Primitive::Polylines] {
-                (groom.look.shading_rate, groom.look.primitive) = (rate, primitive);
-                render(&mut renderer, &groom);
-                let covered = renderer.read_hair().unwrap().iter().filter(|pixel| pixel[3] > 0.5).count();
-                assert!(covered > 500, "{covered}");
-            }
-        }
+        draws(&mut renderer, &groom);
     }
-    groom.look.shading_rate = ShadingRate::PerVertex;
-    for &shadowing in lorelei_core::look::Shadowing::ALL {
+    groom.look.shading_rate = ShadingRate::PerFragment;
+    for lights in [vec![], vec![key(40.0)]] {
+        groom.lights = lights;
+        draws(&mut renderer, &groom);
+    }
+    (groom.look.shading_rate, groom.look.primitive) = (ShadingRate::PerVertex, Primitive::Polylines);
+    draws(&mut renderer, &groom);
+    // Maps, a grid, and nothing.
+    for shadowing in [Shadowing::Occupancy, Shadowing::Voxels, Shadowing::Off] {
         groom.look.shadowing = shadowing;
-        render(&mut renderer, &groom);
+        draws(&mut renderer, &groom);
     }
     renderer.gpu.take_error().unwrap();
 }
@@ -200,7 +208,7 @@ fn the_light_of_the_slices_is_lost_in_them_and_that_of_others_in_their_shadow_ma
     };
     let sliced = light(&|_| {});
     let mapped = light(&|groom| groom.look.transparency = Transparency::Sorted);
-    let unshadowed = light(&|groom| groom.look.shadowing = lorelei_core::look::Shadowing::Off);
+    let unshadowed = light(&|groom| groom.look.shadowing = Shadowing::Off);
     let sliced_beside_off = light(&|groom| groom.look.transparency = Transparency::HalfAngle);
     println!("slices {sliced:.1} and {sliced_beside_off:.1}, maps {mapped:.1}, without shadows {unshadowed:.1}");
     // The slices' own shadow, whatever the others have.
