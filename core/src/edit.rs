@@ -21,6 +21,7 @@ use crate::lod::LodSettings;
 use crate::look::Look;
 use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, TileChange};
+use crate::panorama::Panorama;
 use crate::sculpt::{self, Sculpt, SculptChange, SculptInfo, SculptLayer, SculptRoots, Stroke};
 use crate::simulation::SimulationSettings;
 use crate::style::StyleOp;
@@ -31,6 +32,8 @@ pub enum Edit {
     SetName(String),
     SetHead(Option<Head>),
     SetLook(Box<Look>),
+    /// The picture of what is all around that was loaded from a file.
+    SetPanorama(Option<Arc<Panorama>>),
     SetLod(Box<LodSettings>),
     SetLights(Vec<Light>),
     SetSimulation(Box<SimulationSettings>),
@@ -171,6 +174,7 @@ impl Groom {
             Edit::SetName(name) => Edit::SetName(replace(&mut self.name, name)),
             Edit::SetHead(head) => Edit::SetHead(replace(&mut self.head, head)),
             Edit::SetLook(look) => Edit::SetLook(Box::new(replace(&mut self.look, *look))),
+            Edit::SetPanorama(panorama) => Edit::SetPanorama(replace(&mut self.panorama, panorama)),
             Edit::SetLod(lod) => Edit::SetLod(Box::new(replace(&mut self.lod, *lod))),
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),

@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::edit::Edit;
 use crate::hair_mesh::HairMesh;
 use crate::io::Space;
 use crate::light::{Light, three_point_rig};
 use crate::lod::LodSettings;
-use crate::look::{Look, Param, ParamValue};
+use crate::look::{Background, Environment, Look, Param, ParamValue, Surroundings};
 use crate::maps::{MapKind, Maps, ScalpMap};
 pub use crate::material::{HairMaterial, HairPreset, Pigment};
 use crate::mesh::TriMesh;
+use crate::panorama::{Panorama, embedded::embedded};
 use crate::sculpt::Sculpt;
 use crate::simulation::SimulationSettings;
 use crate::strands::Strands;
@@ -28,6 +30,8 @@ pub struct Groom {
     pub layers: Vec<Layer>,
     pub lights: Vec<Light>,
     pub look: Look,
+    /// What is all around, where it was loaded from a file; the look says whether it is used.
+    pub panorama: Option<Arc<Panorama>>,
     pub lod: LodSettings,
     pub simulation: SimulationSettings,
 }
@@ -40,6 +44,7 @@ impl Default for Groom {
             layers: Vec::new(),
             lights: three_point_rig(),
             look: Look::default(),
+            panorama: None,
             lod: LodSettings::default(),
             simulation: SimulationSettings::default(),
         }
@@ -134,7 +139,37 @@ impl Groom {
 
     /// What in the groom has no effect though it is there, for the user.
     pub fn warnings(&self) -> Vec<String> {
-        self.layers.iter().filter_map(Layer::warning).collect()
+        self.layers.iter().filter_map(Layer::warning).chain(self.lacks_panorama()).collect()
+    }
+
+    /// That the look asks for a picture from a file and there is none, for the user.
+    pub fn lacks_panorama(&self) -> Option<String> {
+        let look = &self.look;
+        let is_pictured = look.environment.is_pictured() || look.background == Background::Environment;
+        let lacks = is_pictured && look.environment_picture.picture == Surroundings::File && self.panorama.is_none();
+        lacks.then(|| {
+            "the environment is to come from a file, and none is loaded: the studio's stands in for it. Load a .hdr or \
+             .exr, or choose another picture"
+                .to_owned()
+        })
+    }
+
+    /// The edit that lights the groom with a picture from a file, as one step: by harmonics, unless the look takes its light
+    /// from a picture already.
+    pub fn lit_by(&self, panorama: Panorama) -> Edit {
+        let mut look = self.look.clone();
+        look.environment_picture.picture = Surroundings::File;
+        if !look.environment.is_pictured() {
+            look.environment = Environment::Harmonics;
+        }
+        Edit::Batch(vec![Edit::SetPanorama(Some(Arc::new(panorama))), Edit::SetLook(Box::new(look))])
+    }
+
+    /// The picture that the look's environment is; the studio's where it is to be a file's and none is loaded.
+    pub fn surroundings(&self) -> Arc<Panorama> {
+        let choice = self.look.environment_picture.picture;
+        let studio = || embedded(Surroundings::Studio).unwrap_or_default();
+        embedded(choice).or_else(|| self.panorama.clone()).unwrap_or_else(studio)
     }
 }
 

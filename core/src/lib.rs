@@ -29,6 +29,7 @@ pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;
 pub mod motion;
+pub mod panorama;
 pub mod point_grid;
 pub mod record;
 pub mod roots;

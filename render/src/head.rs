@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use glam::{Affine3A, Mat4, Vec3};
-use lorelei_core::look::{Look, Shadowing};
+use lorelei_core::look::{Environment, Look, Shadowing};
 use lorelei_core::maps::uvs::scalp_uvs;
 use lorelei_core::mesh::{SCALP_GROUP, TriMesh};
 use lorelei_shaders::{Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
@@ -74,7 +74,7 @@ impl Surface {
 /// The head pass.
 pub(crate) struct HeadPass {
     surface: Hot<Surface>,
-    shade: HashMap<Shadowing, Hot<Kernel>>,
+    shade: HashMap<(Shadowing, Environment), Hot<Kernel>>,
     look: wgpu::Buffer,
     mesh: Option<Mesh>,
     lists: wgpu::Buffer,
@@ -246,15 +246,19 @@ impl HeadPass {
         encoder: &mut wgpu::CommandEncoder,
         input: &HeadInput<'_>,
     ) -> Result<(), ShaderError> {
-        let (targets, shadowing) = (input.targets, input.look.shadowing);
-        let make_shade =
-            |library: &ShaderLibrary| library.kernel(gpu, "head_shade", "shade_head", &[], &slot::shadowing(shadowing));
-        if let Some(kernel) = self.shade.get_mut(&shadowing) {
+        let targets = input.targets;
+        let choices = (input.look.shadowing, input.look.environment);
+        let make_shade = |library: &ShaderLibrary| {
+            let mut links = slot::shadowing(choices.0);
+            links.push(slot::ambient(choices.1));
+            library.kernel(gpu, "head_shade", "shade_head", &[], &links)
+        };
+        if let Some(kernel) = self.shade.get_mut(&choices) {
             kernel.refresh(library, make_shade);
         } else {
-            self.shade.insert(shadowing, Hot::new(library, make_shade)?);
+            self.shade.insert(choices, Hot::new(library, make_shade)?);
         }
-        let kernel = &self.shade[&shadowing];
+        let kernel = &self.shade[&choices];
         let mut resources = vec![
             ("view", input.view.as_entire_binding()),
             ("head_look", self.look.as_entire_binding()),

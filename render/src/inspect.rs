@@ -13,6 +13,7 @@ use lorelei_core::look::{Environment, Look};
 use lorelei_shaders::{Gpu, GpuError, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
+use crate::environment::EnvironmentUniform;
 use crate::frame::Targets;
 use crate::mirror::StrandBuffers;
 use crate::scene::{SceneBuffers, SceneLights};
@@ -113,6 +114,7 @@ pub(crate) struct InspectInput<'a> {
     pub pixel: [u32; 2],
     pub look: &'a Look,
     pub lights: &'a SceneLights,
+    pub surroundings: &'a EnvironmentUniform,
     pub eye: Vec3,
     pub strands: &'a StrandBuffers,
     pub shade: &'a Shade,
@@ -232,12 +234,12 @@ impl Inspector {
             asked.push((name, with_lobe(look, Some(term))));
         }
         let mut scene = SceneBuffers::new(gpu);
-        scene.update(gpu, input.lights, look, input.eye);
+        scene.update(gpu, input.lights, input.surroundings, look, input.eye);
         for (i, (_, look)) in asked.iter().enumerate() {
             self.record_term(gpu, library, encoder, input, results, ("shade_term", FIRST_TERM + i), (look, &scene))?;
         }
         self.record_term(gpu, library, encoder, input, results, ("light_depths", 0), (look, &scene))?;
-        let n_lights = input.lights.lights.len().min(MOST_LIGHTS);
+        let n_lights = input.lights.n_lamps().min(MOST_LIGHTS);
         let lamps = Look { environment: Environment::Off, ..look.clone() };
         for light_idx in 0..n_lights {
             let mut alone = input.lights.clone();
@@ -247,7 +249,7 @@ impl Inspector {
                 }
             }
             let mut scene = SceneBuffers::new(gpu);
-            scene.update(gpu, &alone, &lamps, input.eye);
+            scene.update(gpu, &alone, input.surroundings, &lamps, input.eye);
             let at = ("shade_term", FIRST_LIGHT + light_idx);
             self.record_term(gpu, library, encoder, input, results, at, (&lamps, &scene))?;
         }

@@ -1,6 +1,7 @@
 //! A scene in, a texture out; and the CPU references that it is tested against.
 
 mod bound;
+pub mod environment;
 pub mod exact;
 pub mod false_colour;
 mod fragments;

@@ -58,7 +58,7 @@ impl DrawnLayer {
 pub struct StrandBuffers {
     /// `array<vec4<f32>>`: place in world centimetres, radius in centimetres.
     pub vertices: wgpu::Buffer,
-    /// `array<u32>`: hash of each strand's stable id.
+    /// `array<vec2<u32>>`: of each strand the hash of its stable id, and the bits of the share of the dye that it takes.
     pub seeds: wgpu::Buffer,
     /// What is drawn this frame; layers that are hidden or empty are left out.
     pub layers: Vec<DrawnLayer>,
@@ -259,7 +259,7 @@ impl Mirror {
             ));
         }
         let (mut n_vertices, mut n_strands) = (0_u64, 0_u64);
-        let mut seeds = Vec::new();
+        let mut seeds: Vec<[u32; 2]> = Vec::new();
         for (layer_idx, mirror) in self.layers.iter_mut().enumerate() {
             let n = (mirror.binding.n_strands() as f64 * share) as u64;
             mirror.place = (mirror.layer.visible && n > 0).then_some(DrawnLayer {
@@ -272,7 +272,11 @@ impl Mirror {
             if mirror.place.is_some() {
                 n_vertices += n * vertices_of(mirror);
                 n_strands += n;
-                seeds.extend_from_slice(&mirror.binding.seeds[..n as usize]);
+                let dye = mirror.binding.map_idx(&MapKind::Dye);
+                let of_strand = |s: usize| {
+                    [mirror.binding.seeds[s], mirror.binding.map_value(s, dye, MapKind::Dye.default_value()).to_bits()]
+                };
+                seeds.extend((0..n as usize).map(of_strand));
             }
         }
         let buffers = &mut self.buffers;
@@ -281,7 +285,7 @@ impl Mirror {
             buffers.vertices = gpu.checked(|| gpu.buffer("strands.vertices", size, STORAGE | BufferUsages::VERTEX))?;
             buffers.generation += 1;
         }
-        let size = (n_strands * 4).max(16);
+        let size = (n_strands * 8).max(16);
         if buffers.seeds.size() < size || buffers.seeds.size() > 2 * size {
             buffers.seeds = gpu.checked(|| gpu.buffer("strands.seeds", size, STORAGE))?;
             buffers.generation += 1;

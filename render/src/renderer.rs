@@ -12,6 +12,7 @@ use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
 use crate::bound::Bound;
+use crate::environment::{EnvironmentPicture, EnvironmentUniform};
 use crate::false_colour::{FalseColourInput, FalseColourPass, drawn_look};
 use crate::fragments::{Blended, FragmentInput, Fragments, HalfAngle, Resources, Slicing, TooWide, Way, way};
 use crate::frame::{FrameInput, Targets};
@@ -22,7 +23,7 @@ use crate::mirror::{DrawnLayer, Mirror, MirrorError};
 use crate::overlay::{Overlay, Veil};
 use crate::profile::Profile;
 use crate::raster::{Raster, RasterInput, Threads, TooManyTiles, TooManyVertices};
-use crate::resolve::{Downsample, ResolvePass};
+use crate::resolve::{Downsample, ResolveInput, ResolvePass};
 use crate::scene::{Ball, SceneBuffers, SceneLights};
 use crate::shade::{Shade, ShadeInput};
 use crate::shadow::{Shadow, ShadowInput};
@@ -107,6 +108,9 @@ pub struct Renderer {
     ball: Ball,
     pub(crate) generator: StrandGenerator,
     scene: SceneBuffers,
+    environment: EnvironmentPicture,
+    /// What the last recorded frame was lit by.
+    surroundings: EnvironmentUniform,
     shadow: Shadow,
     pub(crate) shade: Shade,
     head: HeadPass,
@@ -140,6 +144,8 @@ impl Renderer {
             ball: Ball { centre: Vec3::ZERO, radius: 1.0 },
             generator: StrandGenerator::new(gpu),
             scene: SceneBuffers::new(gpu),
+            environment: EnvironmentPicture::new(gpu),
+            surroundings: EnvironmentUniform::dark(),
             shadow: Shadow::new(gpu),
             shade: Shade::new(gpu),
             head: HeadPass::new(gpu, &library)?,
@@ -265,8 +271,10 @@ impl Renderer {
         let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod, blend, veil };
         let prepared = self.generator.prepare(gpu, library, &pose)?;
         let strands = self.generator.strands();
-        let lights = SceneLights::new(&groom.lights);
-        let scene_is_new = self.scene.update(gpu, &lights, look, input.camera.eye());
+        let lights = SceneLights::new(&groom.lights).with_probes(look);
+        let surroundings = self.environment.update(gpu, look, || groom.surroundings());
+        let scene_is_new = self.scene.update(gpu, &lights, &surroundings, look, input.camera.eye());
+        self.surroundings = surroundings;
         let shadow_input = ShadowInput {
             shadowing: look.shadowing,
             params: &look.shadows,
@@ -432,7 +440,14 @@ impl Renderer {
 
         // The picture.
         profile.pass("resolve", encoder, |encoder| {
-            self.resolve.record(gpu, library, encoder, look, &self.view, &self.targets, &self.false_colours)
+            let input = ResolveInput {
+                look,
+                view: &self.view,
+                targets: &self.targets,
+                false_colours: &self.false_colours,
+                environment: &self.environment,
+            };
+            self.resolve.record(gpu, library, encoder, &input)
         })?;
         self.made_from = Some((hair_key, shadow_key));
         Ok(())
@@ -516,7 +531,8 @@ impl Renderer {
         let input = InspectInput {
             pixel,
             look: &groom.look,
-            lights: &SceneLights::new(&groom.lights),
+            lights: &SceneLights::new(&groom.lights).with_probes(&groom.look),
+            surroundings: &self.surroundings,
             eye,
             strands: self.generator.strands(),
             shade: &self.shade,

@@ -8,6 +8,7 @@ use lorelei_core::look::{Background, FalseColour, Look, Tonemapping};
 use lorelei_shaders::{Gpu, Hot, Kernel, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
+use crate::environment::{EnvironmentPicture, turn_and_gain};
 use crate::false_colour::FalseColourPass;
 use crate::frame::Targets;
 use crate::slot;
@@ -20,20 +21,34 @@ struct ResolveLook {
     /// Columns of [`picture_from_scene`].
     picture_from_scene: [[f32; 4]; 3],
     grey: f32,
-    pad: [f32; 3],
+    /// Of the environment's picture: radians about the vertical, and scale.
+    turn: f32,
+    gain: f32,
+    pad: f32,
 }
 
 impl ResolveLook {
     fn new(look: &Look) -> Self {
         let matrix = picture_from_scene(look);
         let column = |axis: usize| matrix.col(axis).extend(0.0).to_array();
-        Self { picture_from_scene: [0, 1, 2].map(column), grey: look.background_grey, pad: [0.0; 3] }
+        let (turn, gain) = turn_and_gain(look);
+        Self { picture_from_scene: [0, 1, 2].map(column), grey: look.background_grey, turn, gain, pad: 0.0 }
     }
 }
 
 /// Exposure and white balance: what scene light is multiplied with before the tonemapper, linear Rec. 709.
 pub fn picture_from_scene(look: &Look) -> Mat3 {
     look.exposure.exp2() * white_balance::adaptation(look.white_balance)
+}
+
+/// What the last pass needs of the frame.
+#[derive(Clone, Copy)]
+pub(crate) struct ResolveInput<'a> {
+    pub look: &'a Look,
+    pub view: &'a wgpu::Buffer,
+    pub targets: &'a Targets,
+    pub false_colours: &'a FalseColourPass,
+    pub environment: &'a EnvironmentPicture,
 }
 
 /// The last pass.
@@ -59,11 +74,9 @@ impl ResolvePass {
         gpu: &Gpu,
         library: &ShaderLibrary,
         encoder: &mut wgpu::CommandEncoder,
-        look: &Look,
-        view: &wgpu::Buffer,
-        targets: &Targets,
-        false_colours: &FalseColourPass,
+        input: &ResolveInput<'_>,
     ) -> Result<(), ShaderError> {
+        let &ResolveInput { look, view, targets, false_colours, environment } = input;
         let choices = (look.tonemapping, look.background, look.view);
         let make = |library: &ShaderLibrary| {
             let links = [slot::tonemapping(choices.0), slot::background(choices.1), slot::view_picture(choices.2)];
@@ -85,6 +98,7 @@ impl ResolvePass {
             ("picture", wgpu::BindingResource::TextureView(&targets.output_view)),
         ];
         resources.extend(false_colours.resources());
+        resources.extend(environment.resources());
         let bindings = kernel.bind_used(gpu, &resources)?;
         let mut pass =
             encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("resolve"), timestamp_writes: None });

@@ -8,6 +8,8 @@ use lorelei_core::light::{INTENSITY_DISTANCE, Light, LightKind};
 use lorelei_core::look::{Environment, Look};
 use lorelei_shaders::Gpu;
 
+use crate::environment::{EnvironmentUniform, has_probes, probe_directions};
+
 /// A light without extent. A rectangle is several of them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -33,6 +35,9 @@ pub struct SceneUniform {
     pub environment: [f32; 3],
     /// 0-1: of a fibre itself, times the share of a pixel that it covers.
     pub opacity: f32,
+    pub n_probes: u32,
+    pub pad: [u32; 3],
+    pub around: EnvironmentUniform,
 }
 
 /// Points that stand for a side of a rectangular light: 2 x 2 of them are enough for highlights, and their four shadow
@@ -43,14 +48,18 @@ const RECT_SIDE_SAMPLES: u32 = 2;
 const DIRECTIONAL_RADIUS: f32 = 0.06;
 /// Radius of point lights, centimetres.
 const POINT_RADIUS: f32 = 3.0;
+/// Angular radius (tangent) of a probe: it stands for a quarter of the sphere.
+const PROBE_RADIUS: f32 = 0.4;
 
 /// The scene's lights this frame, with whether each casts a shadow.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SceneLights {
     pub lights: Vec<SceneLight>,
     pub casts_shadow: Vec<bool>,
-    /// Which of the groom's lights each is of.
+    /// Which of the groom's lights each is of; probes are of none and have no entry.
     pub of_light: Vec<u32>,
+    /// The last ones: they shine on nothing, and where they are hidden from, the environment is.
+    pub n_probes: usize,
 }
 
 impl SceneLights {
@@ -89,6 +98,29 @@ impl SceneLights {
         }
         scene
     }
+
+    /// The same with the probes that the look's environment asks for, behind the lamps.
+    pub fn with_probes(mut self, look: &Look) -> Self {
+        if has_probes(look.environment) {
+            for direction in probe_directions() {
+                self.lights.push(SceneLight {
+                    place: direction.extend(0.0).to_array(),
+                    irradiance: [0.0; 3],
+                    is_flat: 0.0,
+                    axis: [0.0; 3],
+                    radius: PROBE_RADIUS,
+                });
+                self.casts_shadow.push(true);
+                self.n_probes += 1;
+            }
+        }
+        self
+    }
+
+    /// Those that shine, or may.
+    pub fn n_lamps(&self) -> usize {
+        self.lights.len() - self.n_probes
+    }
 }
 
 /// The scene's buffers, bound by whatever shades: hair and head.
@@ -109,7 +141,14 @@ impl SceneBuffers {
     }
 
     /// Send this frame's lights. True where a buffer is another one: bind again.
-    pub fn update(&mut self, gpu: &Gpu, lights: &SceneLights, look: &Look, eye: Vec3) -> bool {
+    pub fn update(
+        &mut self,
+        gpu: &Gpu,
+        lights: &SceneLights,
+        surroundings: &EnvironmentUniform,
+        look: &Look,
+        eye: Vec3,
+    ) -> bool {
         let is_new = lights.lights.len() > self.n_lights_allocated;
         if is_new {
             self.n_lights_allocated = lights.lights.len().next_power_of_two();
@@ -117,13 +156,16 @@ impl SceneBuffers {
         }
         let environment = match look.environment {
             Environment::Constant => Vec3::from_array(look.environment_colour) * look.environment_intensity,
-            Environment::Off => Vec3::ZERO,
+            Environment::Karis | Environment::Harmonics | Environment::Off => Vec3::ZERO,
         };
         let uniform = SceneUniform {
             eye: eye.to_array(),
-            n_lights: lights.lights.len() as u32,
+            n_lights: lights.n_lamps() as u32,
             environment: environment.to_array(),
             opacity: look.drawing.opacity,
+            n_probes: lights.n_probes as u32,
+            pad: [0; 3],
+            around: *surroundings,
         };
         gpu.queue.write_buffer(&self.scene, 0, bytemuck::bytes_of(&uniform));
         gpu.queue.write_buffer(&self.lights, 0, bytemuck::cast_slice(&lights.lights));

@@ -242,8 +242,16 @@ mod tests {
     use lorelei_core::light::Light;
 
     use super::*;
+    use crate::environment::lit::{self, Open};
+    use crate::environment::{EnvironmentUniform, Harmonics, lights_of};
     use crate::mirror::DrawnLayer;
+    use crate::scattering::multiple::multiple;
+    use crate::scattering::volume::volume;
+    use crate::scattering::{Directions, marschner};
     use crate::scene::SceneLights;
+    use lorelei_core::look::Surroundings;
+    use lorelei_core::panorama::Panorama;
+    use lorelei_core::panorama::embedded::embedded;
 
     fn half(bits: u32) -> f32 {
         let (sign, exponent, mantissa) = (bits >> 15 & 1, bits >> 10 & 31, bits & 1023);
@@ -257,12 +265,22 @@ mod tests {
 
     /// Radiance of the middle of one strand along x, seen from +Z at 100 cm, unshadowed.
     fn radiance(look: &Look, material: &HairMaterial, lights: &[Light]) -> [f32; 4] {
+        radiance_in(look, material, lights, &EnvironmentUniform::dark())
+    }
+
+    /// The same in a picture's light.
+    fn radiance_in(
+        look: &Look,
+        material: &HairMaterial,
+        lights: &[Light],
+        surroundings: &EnvironmentUniform,
+    ) -> [f32; 4] {
         let gpu = Gpu::headless().unwrap();
         let library = ShaderLibrary::embedded();
         let vertices: Vec<[f32; 4]> = (0..9).map(|k| [k as f32 - 4.0, 0.0, 0.0, 0.004]).collect();
         let strands = StrandBuffers {
             vertices: gpu.buffer_of("test.vertices", &vertices, BufferUsages::STORAGE),
-            seeds: gpu.buffer_of("test.seeds", &[0x8080_8080u32], BufferUsages::STORAGE),
+            seeds: gpu.buffer_of("test.seeds", &[[0x8080_8080u32, 1f32.to_bits()]], BufferUsages::STORAGE),
             layers: vec![DrawnLayer {
                 first_vertex: 0,
                 first_strand: 0,
@@ -277,7 +295,13 @@ mod tests {
         };
         let shadow = Shadow::new(&gpu);
         let mut scene = SceneBuffers::new(&gpu);
-        let is_new = scene.update(&gpu, &SceneLights::new(lights), look, Vec3::new(0.0, 0.0, 100.0));
+        let is_new = scene.update(
+            &gpu,
+            &SceneLights::new(lights).with_probes(look),
+            surroundings,
+            look,
+            Vec3::new(0.0, 0.0, 100.0),
+        );
         let mut shade = Shade::new(&gpu);
         let input =
             ShadeInput { strands: &strands, look, scene: &scene, scene_is_new: is_new, shadow: &shadow, waits: true };
@@ -305,6 +329,54 @@ mod tests {
         assert_eq!(a, 1.0);
         let dark = radiance(&look, &HairMaterial { eumelanin: 3.0, ..white() }, &[]);
         assert!(dark[0] < 0.1 && dark[0] > 0.01, "{dark:?}");
+    }
+
+    /// The law of the environment from a picture: one of a single colour is the constant environment.
+    #[test]
+    fn a_picture_of_one_colour_is_the_constant_environment() {
+        let colour = [0.9, 0.5, 0.2];
+        let picture = Panorama::from_fn(256, 128, |_| Vec3::from_array(colour));
+        for (scattering, eumelanin) in [
+            (Scattering::Marschner, 0.0),
+            (Scattering::Marschner, 0.7),
+            (Scattering::Deon, 0.3),
+            (Scattering::KajiyaKay, 2.0),
+        ] {
+            let material = HairMaterial { eumelanin, ..white() };
+            let constant = Look { scattering, environment_colour: colour, environment_intensity: 1.0, ..unshadowed() };
+            let pictured = Look { environment: Environment::Harmonics, ..constant.clone() };
+            let lights = EnvironmentUniform::new(&lights_of(&Harmonics::of(&picture), &pictured));
+            let (a, b) = (radiance(&constant, &material, &[]), radiance_in(&pictured, &material, &[], &lights));
+            // Half floats have eleven bits.
+            for k in 0..3 {
+                assert!((a[k] / b[k] - 1.0).abs() < 2e-3, "{scattering:?} {eumelanin}: {a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn environments_from_pictures_agree_with_their_twins() {
+        let material = HairMaterial { eumelanin: 0.4, ..white() };
+        for picture in [Surroundings::Studio, Surroundings::Sunset] {
+            let mut look = unshadowed();
+            look.environment_picture.picture = picture;
+            look.environment_picture.rotation_deg = 70.0;
+            let lights = lights_of(&Harmonics::of(&embedded(picture).unwrap()), &look);
+            let fibre = Fibre::new(&material, &look).vary(0x8080_8080, 0.5, 1.0);
+            let (heap, frame) = (volume(&fibre), (Vec3::X, Vec3::Z));
+            let harmonics = lit::harmonics(&fibre, &heap, frame, &Open::WIDE, &lights, |d: &Directions| {
+                marschner::scatter(&fibre, d)
+            });
+            let karis = lit::karis(&fibre, frame, &Open::WIDE, &lights, marschner::scatter, |to_light| {
+                multiple(&fibre, &heap, Vec3::X, to_light, Vec3::Z, 0.0)
+            });
+            for (environment, expected) in [(Environment::Harmonics, harmonics), (Environment::Karis, karis)] {
+                look.environment = environment;
+                let shown = radiance_in(&look, &material, &[], &EnvironmentUniform::new(&lights));
+                let shown = Vec3::from_slice(&shown[..3]);
+                assert!((shown / expected - 1.0).abs().max_element() < 5e-3, "{environment:?}: {shown} {expected}");
+            }
+        }
     }
 
     #[test]

@@ -36,7 +36,7 @@ fn fragment_of(vertex: u32, t: f32, across: f32, segment_cm: f32, pixel: vec2<u3
     fragment.mask = cover.mask;
     fragment.colour = fibre.xyz;
     fragment.vertex = vertex;
-    fragment.seed = seeds[owner.x];
+    fragment.seed = seeds[owner.x].x;
     fragment.along = (f32(owner.y) + t) * segment_cm;
     return fragment;
 }

@@ -2,6 +2,7 @@
 #import lorelei::head_frame::{view, head_look}
 #import lorelei::shade_lights::{scene, arriving}
 #import lorelei::shadow::{light_visibility}
+#import lorelei::ambient::{ambient}
 
 // See head_surface.wgsl.
 @group(0) @binding(auto) var head_depth: texture_2d<f32>;
@@ -45,11 +46,9 @@ fn skin(position: vec3<f32>, surface_normal: vec3<f32>, scalp: f32) -> vec3<f32>
             reflected += reflection(normal, light.to_light, to_eye) * arrived;
         }
     }
-    // Skin below sees the floor and the chest instead of the sky: a little less from all around.
-    let ambient = scene.environment * (0.75 + 0.25 * normal.y);
     let between_roots = mix(vec3<f32>(1.0), (1.0 - head_look.roots) * ROOT_TINT, scalp);
     let gloss = head_look.gloss * (1.0 - scalp);
-    return between_roots * head_look.albedo * (INV_PI * irradiance + ambient) + gloss * reflected;
+    return between_roots * head_look.albedo * (INV_PI * irradiance + ambient(normal)) + gloss * reflected;
 }
 
 // Colours of a painted map's values from none to most, sRGB. Twin of RAMP in overlay.rs.

@@ -14,7 +14,8 @@ struct InspectTerm {
 }
 
 @group(0) @binding(auto) var<uniform> inspect_term: InspectTerm;
-@group(0) @binding(auto) var<storage, read> seeds: array<u32>;
+// See strands.wgsl.
+@group(0) @binding(auto) var<storage, read> seeds: array<vec2<u32>>;
 
 @compute @workgroup_size(1)
 fn shade_term() {

@@ -80,13 +80,14 @@ fn ramp(first: f32, last: f32, t: f32) -> f32 {
     return clamp((t - first) / max(last - first, 1e-3), 0.0, 1.0);
 }
 
-fn vary(base: Fibre, strand_seed: u32, t: f32) -> Fibre {
+// `dyed`: the share of the dye that is painted at the strand's root.
+fn vary(base: Fibre, strand_seed: u32, t: f32, dyed: f32) -> Fibre {
     var fibre = base;
     let bytes = quarters(strand_seed);
     let pigment = 2.45 * (bytes.x + bytes.y - 1.0);
     let scales = 2.45 * (bytes.z + bytes.w - 1.0);
     let own = base.sigma_a * (exp(base.colour_variation * pigment) * (1.0 - base.tip_lightening * t * t));
-    fibre.sigma_a = mix(own, base.dye_sigma_a, base.dye * ramp(base.dye_from, base.dye_to, t));
+    fibre.sigma_a = mix(own, base.dye_sigma_a, base.dye * dyed * ramp(base.dye_from, base.dye_to, t));
     let more = quarters(pcg(strand_seed));
     fibre.beta *= exp(base.roughness_variation * 2.45 * (more.x + more.y - 1.0));
     let more_tilt = base.tilt_variation * 2.45 * (more.z + more.w - 1.0);

@@ -20,6 +20,12 @@ struct Scene {
     environment: vec3<f32>,
     // Of a fibre itself.
     opacity: f32,
+    // Lights after the others that shine on nothing: where they are hidden from, the environment is.
+    n_probes: u32,
+    // Of the picture of what is all around: radiance as harmonics, tapered so that it does not ring, and irradiance over pi.
+    // See environment_harmonics.wgsl.
+    around: array<vec4<f32>, 16>,
+    around_irradiance: array<vec4<f32>, 9>,
 }
 
 @group(0) @binding(auto) var<uniform> scene: Scene;

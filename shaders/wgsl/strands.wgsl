@@ -4,7 +4,8 @@
 // World position and radius, centimetres.
 @group(0) @binding(auto) var<storage, read> vertices: array<vec4<f32>>;
 // A random number of each strand.
-@group(0) @binding(auto) var<storage, read> seeds: array<u32>;
+// Of each strand its seed, and the bits of the share of its material's dye that it takes.
+@group(0) @binding(auto) var<storage, read> seeds: array<vec2<u32>>;
 
 // A place across a fibre that means "averaged over its width".
 const NO_OFFSET: f32 = 2.0;

@@ -17,6 +17,7 @@ Examples:
   lorelei map bob --kind density --out density.png           the density of the first layer, 0 black to 1 white
   lorelei map my.lorelei --list                              which maps each layer has
   lorelei map my.lorelei --kind length --in cut.exr --save my.lorelei
+  lorelei map my.lorelei --kind dye --in streaks.png --save my.lorelei   where strands take the material's dye
   lorelei map my.lorelei --kind mask:fringe --layer 1 --in fringe.png --save out.lorelei
 
 A PNG holds 0-1 as black to white of the map's range, an EXR holds the values themselves. Row 0 is v = 1.";
@@ -26,7 +27,7 @@ A PNG holds 0-1 as black to white of the map's range, an EXR holds the values th
 pub struct MapArguments {
     /// A groom: .lorelei, or an embedded style: long, bob, curls.
     file: PathBuf,
-    /// density, length, width, clump, curl, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL.
+    /// density, length, width, clump, curl, dye, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL.
     #[arg(long, required_unless_present = "list")]
     kind: Option<MapKind>,
     /// Number of the layer, from 0 in the order of the outliner.

@@ -10,6 +10,8 @@ use lorelei_core::lod::LodChoice;
 use lorelei_core::look::Look;
 use lorelei_core::look::presets::{LookPreset, look_preset, look_presets};
 
+use lorelei_core::panorama::read::read_panorama;
+
 use super::read_as::ReadAs;
 use super::render::{View, camera_of, parse_view};
 use super::{CliError, set, setup};
@@ -36,6 +38,9 @@ pub struct SceneArguments {
     /// Camera and lights from a file; --camera then only counts where the file has none.
     #[arg(long, value_name = "FILE.ron")]
     setup: Option<PathBuf>,
+    /// Light from all around from a picture, .hdr or .exr: by spherical harmonics, unless --set says otherwise.
+    #[arg(long, value_name = "PICTURE")]
+    environment: Option<PathBuf>,
     /// Level of detail: off (the finest), auto (by size in the picture), or a level such as 1.5, between two of them.
     #[arg(long, value_name = "LEVEL", value_parser = parse_lod)]
     lod: Option<LodChoice>,
@@ -62,9 +67,14 @@ pub struct Scene {
 impl SceneArguments {
     /// Read what the arguments name. `size`: of the picture, in pixels.
     pub fn read(&self, size: [u32; 2]) -> Result<Scene, CliError> {
-        let (mut groom, warnings) = self.groom()?;
+        let (mut groom, mut warnings) = self.groom()?;
         if let Some(look) = &self.look {
             groom.look.clone_from(look);
+        }
+        if let Some(path) = &self.environment {
+            let panorama = read_panorama(path).map_err(CliError::failed)?;
+            let edit = groom.lit_by(panorama);
+            groom.apply(edit).map_err(CliError::failed)?;
         }
         set::apply(&mut groom, &self.assignments)?;
         if let Some(n_strands) = self.strands {
@@ -78,6 +88,7 @@ impl SceneArguments {
             groom.lights = lights;
         }
         let camera = setup.camera.unwrap_or_else(|| camera_of(&groom, self.camera, size));
+        warnings.extend(groom.lacks_panorama());
         Ok(Scene { groom, camera, warnings })
     }
 

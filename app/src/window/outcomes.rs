@@ -66,6 +66,10 @@ impl Studio {
                     let text = format!("Level {level:.2} takes {ms:.1} ms");
                     self.desk.notices.push(Severity::Info, "Level of detail", text);
                 }
+                Done::EnvironmentLoaded { panorama } => {
+                    let edit = self.desk.document.groom.lit_by(panorama);
+                    self.desk.document.edit("Load environment", edit, Merge::New);
+                }
                 Done::MapLoaded { kind, map } => tools::paint::take_map(&mut self.desk, kind, map),
                 Done::Sheet { picture } => {
                     self.sheet = Some(picture);

@@ -138,6 +138,7 @@ impl Studio {
             Command::Sculpt(command) => tools::sculpt::commands::run(&mut self.desk, command),
             Command::Room(RoomCommand::ContactSheet) => self.draw_sheet(ctx, self.desk.room.slot),
             Command::Room(RoomCommand::Turntable) => self.choose(ctx, Purpose::SaveTurntable),
+            Command::Room(RoomCommand::LoadEnvironment) => self.choose(ctx, Purpose::LoadEnvironment),
             Command::Room(RoomCommand::LoadLook) => self.choose(ctx, Purpose::LoadLook),
             Command::Room(RoomCommand::SaveLook) => self.choose(ctx, Purpose::SaveLook),
             Command::Room(command) => room::commands::run(&mut self.desk, command),

@@ -12,7 +12,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
 use super::error::DocumentError;
 use super::manifest::{
-    Content, Manifest, Parts, faces_of, group_name, hair_mesh_name, map_name, sculpt_name, strands_name,
+    Content, Manifest, PANORAMA, Parts, faces_of, group_name, hair_mesh_name, map_name, sculpt_name, strands_name,
 };
 use super::{MANIFEST, MAX_MANIFEST_BYTES};
 use crate::groom::{Groom, Source};
@@ -20,6 +20,7 @@ use crate::hair_mesh::HairMesh;
 use crate::io::{ReadError, Watch, usable_memory};
 use crate::maps::ScalpMap;
 use crate::mesh::TriMesh;
+use crate::panorama::Panorama;
 use crate::sculpt::{Sculpt, SculptRoots, SculptStrokes};
 use crate::strands::Strands;
 
@@ -121,6 +122,9 @@ pub(super) fn join<R: Read + Seek>(
     let mut arrays = Arrays { archive, path, watch, n_bytes: needed, n_read: 0, n_of };
     if let Some(head) = &mut groom.head {
         head.mesh = Arc::new(arrays.mesh(&head.mesh)?);
+    }
+    if let Some(panorama) = &mut groom.panorama {
+        *panorama = Arc::new(Panorama { texels: arrays.array(PANORAMA)?, ..Panorama::clone(panorama) });
     }
     for (layer_idx, layer) in groom.layers.iter_mut().enumerate() {
         layer.source = match &layer.source {

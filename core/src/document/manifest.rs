@@ -14,6 +14,7 @@ use crate::groom::{Groom, Source};
 use crate::hair_mesh::{HairMesh, HairMeshLayer};
 use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::TriMesh;
+use crate::panorama::Panorama;
 use crate::sculpt::Sculpt;
 use crate::strands::Strands;
 
@@ -149,6 +150,9 @@ pub(super) fn split(groom: &Groom) -> Parts<'_> {
     if let Some(head) = groom.head.as_ref().filter(|head| head.embedded.is_none()) {
         put_mesh(&mut arrays, &head.mesh);
     }
+    if let Some(panorama) = &groom.panorama {
+        arrays.push(Part { name: PANORAMA.to_owned(), content: Content::Floats(&panorama.texels) });
+    }
     for (layer_idx, layer) in groom.layers.iter().enumerate() {
         match &layer.source {
             Source::HairMesh(hair_mesh) => put_hair_mesh(&mut arrays, layer_idx, hair_mesh),
@@ -180,6 +184,9 @@ fn emptied(groom: &Groom) -> Groom {
         }
         mesh.groups.iter_mut().for_each(|group| group.triangles = Vec::new());
         head.mesh = Arc::new(mesh);
+    }
+    if let Some(panorama) = &mut light.panorama {
+        *panorama = Arc::new(Panorama { texels: Vec::new(), ..Panorama::clone(panorama) });
     }
     for layer in &mut light.layers {
         layer.source = match &layer.source {
@@ -288,6 +295,9 @@ pub(super) fn faces_of(flat: &[u32]) -> Option<Vec<Option<Vec<u32>>>> {
     }
     Some(faces)
 }
+
+/// The texels of the picture of what is all around.
+pub(super) const PANORAMA: &str = "panorama.f32";
 
 pub(super) fn group_name(group_idx: usize) -> String {
     format!("head/groups/{group_idx}.u32")

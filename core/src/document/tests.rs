@@ -14,6 +14,7 @@ use crate::io::{ReadError, Space};
 use crate::maps::tests::any_kind;
 use crate::maps::{MapKind, ScalpMap};
 use crate::mesh::{FaceGroup, TriMesh};
+use crate::panorama::Panorama;
 use crate::sculpt::{self, Sculpt, SculptChange, SculptGuide, SculptLayer, SculptMask, SculptRoots};
 use crate::strands::Strands;
 
@@ -138,6 +139,10 @@ fn groom() -> impl Strategy<Value = Groom> {
             let mut groom = Groom { name, layers, ..Groom::default() };
             groom.head = mesh.map(|mesh| Head { read_as: Some(Space::default()), ..Head::new("Head", mesh) });
             groom.simulation.gravity = gravity;
+            groom.panorama = (gravity > 0.0).then(|| {
+                let texels = vec![gravity, 0.0, 1e6, 0.25, 3.0, gravity];
+                Arc::new(Panorama { path: "sky.hdr".into(), file_size: [4, 2], width: 2, height: 1, texels })
+            });
             groom
         },
     )

@@ -10,6 +10,7 @@ impl Edit {
             (Self::SetName(_), Self::SetName(_))
             | (Self::SetHead(_), Self::SetHead(_))
             | (Self::SetLook(_), Self::SetLook(_))
+            | (Self::SetPanorama(_), Self::SetPanorama(_))
             | (Self::SetLod(_), Self::SetLod(_))
             | (Self::SetLights(_), Self::SetLights(_))
             | (Self::SetSimulation(_), Self::SetSimulation(_)) => true,

@@ -29,6 +29,10 @@ fn any_leaf() -> impl Strategy<Value = Edit> {
             let scattering = if kk { Scattering::KajiyaKay } else { Scattering::Marschner };
             Edit::SetLook(Box::new(Look { exposure, scattering, shadowing: Shadowing::Off, ..Look::default() }))
         }),
+        proptest::option::of(0.0..3.0_f32).prop_map(|light| {
+            let panorama = |light| Panorama { width: 2, height: 1, texels: vec![light; 6], ..Panorama::default() };
+            Edit::SetPanorama(light.map(|light| Arc::new(panorama(light))))
+        }),
         (0.0..3.0_f32).prop_map(|level| {
             Edit::SetLod(Box::new(LodSettings { choice: LodChoice::Level(level), ..LodSettings::default() }))
         }),

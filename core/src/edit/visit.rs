@@ -63,12 +63,14 @@ impl Edit {
                     visit(Arc::as_ptr(&change.tile) as usize, Tile::N_BYTES);
                 }
             }
+            Self::SetPanorama(Some(panorama)) => visit(Arc::as_ptr(panorama) as usize, panorama.texels.len() * 4),
             Self::SetMap { map: Some(map), .. } => map.visit_shared(visit),
             Self::SetSource { source, .. } => visit_source(source, visit),
             Self::Batch(edits) => edits.iter().for_each(|edit| edit.visit_shared(visit)),
             Self::SetName(_)
             | Self::SetHead(None)
             | Self::SetLook(_)
+            | Self::SetPanorama(None)
             | Self::SetLod(_)
             | Self::SetLights(_)
             | Self::SetSimulation(_)

@@ -17,7 +17,8 @@ use serde::{Deserialize, Serialize};
 pub use drawing::{Antialiasing, DrawingParams, Primitive, ShadingRate, Transparency};
 pub use picture::{Background, HeadShading, Tonemapping, WhiteBalance};
 pub use scattering::{
-    Environment, Fresnel, KajiyaKayParams, Marschner2003Params, MultipleScattering, Offsets, Scattering,
+    Environment, EnvironmentParams, Fresnel, KajiyaKayParams, Marschner2003Params, MultipleScattering, Offsets,
+    Scattering, Surroundings,
 };
 pub use shadowing::{BeyondLast, LayerSpacing, ShadowParams, Shadowing};
 pub(crate) use slot::choices;
@@ -54,6 +55,8 @@ pub struct Look {
     /// Linear RGB radiance from every direction.
     pub environment_colour: [f32; 3],
     pub environment_intensity: f32,
+    /// Of the choices that take their light from a picture.
+    pub environment_picture: EnvironmentParams,
     pub shadowing: Shadowing,
     /// Older files call it by the one technique that there was then.
     #[serde(alias = "deep_opacity")]
@@ -105,6 +108,7 @@ impl Default for Look {
             environment: Environment::Constant,
             environment_colour: [0.9, 0.95, 1.0],
             environment_intensity: 0.3,
+            environment_picture: EnvironmentParams::default(),
             shadowing: Shadowing::DeepOpacity,
             shadows: ShadowParams::default(),
             head: HeadShading::Skin,
@@ -148,6 +152,7 @@ impl Look {
                 &mut self.environment,
                 &mut self.environment_colour,
                 &mut self.environment_intensity,
+                &mut self.environment_picture,
             ),
             shadowing::shadowing(&mut self.shadowing, &mut self.shadows),
             picture::head(

@@ -22,6 +22,7 @@ choices! {
     /// What is behind head and hair.
     Background {
         Gradient = "gradient", "Gradient", "Neutral grey, lighter in the middle";
+        Environment = "environment", "Environment", "The picture that the environment light is taken from, exposed as the hair is";
         Plain = "plain", "Plain", "One flat grey";
         Transparent = "transparent", "Transparent", "No background: alpha in the picture";
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::slot::{Choice, ChoiceInfo, Slot, Switch, choices, colour, number};
+use super::slot::{Choice, ChoiceInfo, Slot, Switch, alternatives, choices, colour, number};
 
 choices! {
     /// How a single fibre scatters light. The names in a document are the variants'.
@@ -43,7 +43,47 @@ choices! {
     /// Light from all around.
     Environment {
         Constant = "constant", "Constant colour", "The same radiance from every direction, dimmed inside the hair";
+        Karis = "karis", "One sample", "What a surface that faces the eye would get of the picture, as if from one light (Karis 2016)";
+        Harmonics = "harmonics", "Spherical harmonics", "The picture's broad features from every direction, as the fibre scatters them";
         Off = "off", "Off", "Lamps only";
+    }
+}
+
+choices! {
+    /// The picture of what is all around.
+    Surroundings {
+        Studio = "studio", "Studio", "A dark room with two soft boxes in front and two strips behind";
+        Overcast = "overcast", "Overcast sky", "Even light from above, a dim ground below";
+        Sunset = "sunset", "Sunset", "A low sun from behind on one side, blue sky on the other";
+        Ring = "ring", "Ring light", "A ring around the camera, a blue strip and a pink one behind";
+        File = "file", "From a file", "The picture that was loaded with the groom, .hdr or .exr";
+    }
+}
+
+/// Which picture lights the scene, and how it stands.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct EnvironmentParams {
+    pub picture: Surroundings,
+    /// About the vertical axis, towards the model's left as azimuths of lights grow.
+    pub rotation_deg: f32,
+    /// Stops.
+    pub exposure: f32,
+}
+
+impl Environment {
+    /// Whether light comes from the picture.
+    pub fn is_pictured(self) -> bool {
+        match self {
+            Self::Karis | Self::Harmonics => true,
+            Self::Constant | Self::Off => false,
+        }
+    }
+}
+
+impl Default for EnvironmentParams {
+    fn default() -> Self {
+        Self { picture: Surroundings::Studio, rotation_deg: 0.0, exposure: 0.0 }
     }
 }
 
@@ -181,10 +221,14 @@ pub(super) fn multiple<'a>(choice: &'a mut MultipleScattering, multiple_scatteri
     }
 }
 
+/// The choices that take their light from a picture.
+const PICTURED: &[&str] = &["karis", "harmonics"];
+
 pub(super) fn environment<'a>(
     choice: &'a mut Environment,
     environment_colour: &'a mut [f32; 3],
     environment_intensity: &'a mut f32,
+    pictured: &'a mut EnvironmentParams,
 ) -> Slot<'a> {
     Slot {
         key: "environment",
@@ -201,6 +245,31 @@ pub(super) fn environment<'a>(
                 environment_intensity,
                 &["constant"],
                 "Scale of the colour",
+            ),
+            alternatives(
+                "environment.picture",
+                "Picture",
+                &mut pictured.picture,
+                PICTURED,
+                "Where the light comes from; one from a file is loaded from the palette, the command line or by dropping it",
+            ),
+            number(
+                "environment.rotation",
+                "Rotation",
+                "deg",
+                (-180.0, 180.0),
+                &mut pictured.rotation_deg,
+                PICTURED,
+                "Turns the picture about the vertical: its middle comes from in front, then from the model's left",
+            ),
+            number(
+                "environment.exposure",
+                "Exposure",
+                "stops",
+                (-8.0, 8.0),
+                &mut pictured.exposure,
+                PICTURED,
+                "Doubles the picture's light with every stop",
             ),
         ],
     }

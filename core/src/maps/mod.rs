@@ -39,6 +39,8 @@ pub enum MapKind {
     Clump,
     /// Share of every wave's and curl's strength.
     Curl,
+    /// Share of the material's dye: a colour is painted by where it is taken.
+    Dye,
     /// A region under a name, for operators and brushes that ask for it.
     Mask(String),
     /// Share of the strands that this level of detail keeps.
@@ -49,16 +51,20 @@ pub enum MapKind {
 
 impl MapKind {
     /// The kinds without a name or a number, in the order of lists.
-    pub const PLAIN: [Self; 5] = [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl];
+    pub const PLAIN: [Self; 6] = [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl, Self::Dye];
 
     /// The value of one step of a texel. A power of two for multiples, so that 1 is exactly one texel value.
     pub fn step(&self) -> f32 {
         match self {
             Self::Width => 1.0 / 128.0,
             Self::LodThickness(_) => 1.0 / 64.0,
-            Self::Density | Self::Length | Self::Clump | Self::Curl | Self::Mask(_) | Self::LodDensity(_) => {
-                1.0 / 255.0
-            }
+            Self::Density
+            | Self::Length
+            | Self::Clump
+            | Self::Curl
+            | Self::Dye
+            | Self::Mask(_)
+            | Self::LodDensity(_) => 1.0 / 255.0,
         }
     }
 
@@ -76,6 +82,7 @@ impl MapKind {
             | Self::Width
             | Self::Clump
             | Self::Curl
+            | Self::Dye
             | Self::LodDensity(_)
             | Self::LodThickness(_) => 1.0,
         }
@@ -108,6 +115,7 @@ impl MapKind {
             Self::Width => "Width".to_owned(),
             Self::Clump => "Clumping".to_owned(),
             Self::Curl => "Curl".to_owned(),
+            Self::Dye => "Dye".to_owned(),
             Self::Mask(name) => format!("Mask \u{201c}{name}\u{201d}"),
             Self::LodDensity(level) => format!("Density of level {level}"),
             Self::LodThickness(level) => format!("Thickness of level {level}"),
@@ -121,6 +129,7 @@ impl MapKind {
             Self::Width => "Width as a multiple of the layer's",
             Self::Clump => "Share of every clump operator's strength",
             Self::Curl => "Share of every wave's and curl's strength",
+            Self::Dye => "Share of the material's dye: strands take its colour where it is painted",
             Self::Mask(_) => "A region under a name: operators can be limited to it",
             Self::LodDensity(_) => "Share of the strands that the level of detail keeps",
             Self::LodThickness(_) => "Width at the level of detail, as a multiple of what keeps the covered area",
@@ -134,6 +143,7 @@ impl MapKind {
             Self::Length => "of the length",
             Self::Width | Self::LodThickness(_) => "times the width",
             Self::Clump | Self::Curl => "of the strength",
+            Self::Dye => "of the dye",
             Self::Mask(_) => "covered",
             Self::LodDensity(_) => "of the strands",
         }
@@ -149,6 +159,7 @@ impl fmt::Display for MapKind {
             Self::Width => f.write_str("width"),
             Self::Clump => f.write_str("clump"),
             Self::Curl => f.write_str("curl"),
+            Self::Dye => f.write_str("dye"),
             Self::Mask(name) => write!(f, "mask:{name}"),
             Self::LodDensity(level) => write!(f, "lod-density:{level}"),
             Self::LodThickness(level) => write!(f, "lod-thickness:{level}"),
@@ -159,7 +170,7 @@ impl fmt::Display for MapKind {
 /// A word that names no map.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{word}` is no map: density, length, width, clump, curl, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
+    "`{word}` is no map: density, length, width, clump, curl, dye, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
 )]
 pub struct NoSuchMap {
     word: String,

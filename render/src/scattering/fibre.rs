@@ -124,17 +124,17 @@ impl Fibre {
         }
     }
 
-    /// The fibre of one strand at a share `t` of its length (0 root, 1 tip): pigment differs from strand to strand,
+    /// The fibre of one strand at a share `t` of its length (0 root, 1 tip), which takes a share `painted_dye` of the dye: pigment differs from strand to strand,
     /// and so does the way its scales lie, which is what breaks a highlight up.
     #[must_use]
-    pub fn vary(&self, strand_seed: u32, t: f32) -> Self {
+    pub fn vary(&self, strand_seed: u32, t: f32, painted_dye: f32) -> Self {
         let mut fibre = *self;
         // Sums of uniforms: close to normal with a standard deviation of 1, never beyond 3.
         let bytes = strand_seed.to_le_bytes().map(|byte| f32::from(byte) / 255.0);
         let pigment = 2.45 * (bytes[0] + bytes[1] - 1.0);
         let scales = 2.45 * (bytes[2] + bytes[3] - 1.0);
         let absorption = (self.colour_variation * pigment).exp() * (1.0 - self.tip_lightening * t * t);
-        let dyed = self.dye * ramp(self.dye_from, self.dye_to, t);
+        let dyed = self.dye * painted_dye * ramp(self.dye_from, self.dye_to, t);
         let own = Vec3::from_array(self.sigma_a) * absorption;
         fibre.sigma_a = own.lerp(Vec3::from_array(self.dye_sigma_a), dyed).to_array();
         let more = hash::pcg(strand_seed).to_le_bytes().map(|byte| f32::from(byte) / 255.0);
@@ -269,13 +269,17 @@ mod tests {
         let mut material = HairMaterial { colour_variation: 0.0, tip_lightening: 0.0, ..HairMaterial::default() };
         (material.dye, material.dye_from, material.dye_to) = (1.0, 0.2, 0.6);
         let fibre = Fibre::new(&material, &Look::default());
-        assert_eq!(fibre.vary(7, 0.1).sigma_a, fibre.sigma_a);
-        assert_eq!(fibre.vary(7, 0.6).sigma_a, fibre.dye_sigma_a);
-        let between = fibre.vary(7, 0.4).sigma_a[0];
+        assert_eq!(fibre.vary(7, 0.1, 1.0).sigma_a, fibre.sigma_a);
+        assert_eq!(fibre.vary(7, 0.6, 1.0).sigma_a, fibre.dye_sigma_a);
+        let between = fibre.vary(7, 0.4, 1.0).sigma_a[0];
         assert!((between - 0.5 * (fibre.sigma_a[0] + fibre.dye_sigma_a[0])).abs() < 1e-5);
         // Without a ramp the whole strand is dyed.
         let whole = Fibre { dye_from: 0.0, dye_to: 0.0, ..fibre };
-        assert_eq!(whole.vary(7, 0.0).sigma_a, whole.dye_sigma_a);
+        assert_eq!(whole.vary(7, 0.0, 1.0).sigma_a, whole.dye_sigma_a);
+        // Painted out it is the own colour again, and half of it lies in the middle.
+        assert_eq!(whole.vary(7, 0.0, 0.0).sigma_a, fibre.vary(7, 0.0, 1.0).sigma_a);
+        let half = whole.vary(7, 0.0, 0.5).sigma_a[0];
+        assert!((half - 0.5 * (fibre.sigma_a[0] + whole.dye_sigma_a[0])).abs() < 1e-6, "{half}");
     }
 
     #[test]
@@ -288,7 +292,7 @@ mod tests {
         };
         let fibre = Fibre::new(&material, &Look::default());
         let n = 4000u32;
-        let strands: Vec<Fibre> = (0..n).map(|i| fibre.vary(hash::pcg(i), 0.0)).collect();
+        let strands: Vec<Fibre> = (0..n).map(|i| fibre.vary(hash::pcg(i), 0.0, 1.0)).collect();
         let deviation = |of: &dyn Fn(&Fibre) -> f32| {
             let mean = strands.iter().map(of).sum::<f32>() / n as f32;
             (strands.iter().map(|strand| (of(strand) - mean).powi(2)).sum::<f32>() / n as f32).sqrt()

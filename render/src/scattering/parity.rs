@@ -22,7 +22,7 @@ const SCATTER: &str = "
 #import lorelei::multiple::{multiple, spread, through}
 struct Case {
     fibre: Fibre, tangent: vec3<f32>, seed: u32, to_light: vec3<f32>, t: f32, to_eye: vec3<f32>, tau: f32, h: f32,
-    pad: vec3<f32>,
+    dyed: f32,
 }
 @group(0) @binding(auto) var<storage, read> cases: array<Case>;
 @group(0) @binding(auto) var<storage, read_write> answers: array<vec4<f32>>;
@@ -30,7 +30,7 @@ struct Case {
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x >= arrayLength(&cases) { return; }
     let c = cases[id.x];
-    let fibre = vary(c.fibre, c.seed, c.t);
+    let fibre = vary(c.fibre, c.seed, c.t, c.dyed);
     let d = directions(c.tangent, c.to_light, c.to_eye, c.h);
     set_footprint(0.0);
     answers[2u * id.x] = vec4<f32>(scatter(spread(fibre, c.tau), d) * through(fibre, volume(fibre), c.tau), 0.0);
@@ -48,7 +48,8 @@ struct Case {
     to_eye: [f32; 3],
     tau: f32,
     h: f32,
-    pad: [f32; 7],
+    dyed: f32,
+    pad: [f32; 2],
 }
 
 /// Random fibres and directions. `same_table`: with what tables are baked from as in `material`.
@@ -87,7 +88,18 @@ fn cases(n: usize, look: &Look, material: &HairMaterial, same_table: bool) -> Ve
             }
             let h = if random() < 0.5 { NO_OFFSET } else { 2.0 * random() - 1.0 };
             let seed = (random() * 4e9) as u32;
-            Case { fibre, tangent, seed, to_light, t: random(), to_eye, tau: 4.0 * random(), h, pad: [0.0; 7] }
+            Case {
+                fibre,
+                tangent,
+                seed,
+                to_light,
+                t: random(),
+                to_eye,
+                tau: 4.0 * random(),
+                h,
+                dyed: random(),
+                pad: [0.0; 2],
+            }
         })
         .collect()
 }
@@ -146,7 +158,7 @@ fn wgsl_twins_agree_with_the_cpu() {
             let answers: Vec<[f32; 4]> = gpu.read_buffer(&answers).unwrap();
             let mut worst: f32 = 0.0;
             for (i, case) in cases.iter().enumerate() {
-                let fibre = case.fibre.vary(case.seed, case.t);
+                let fibre = case.fibre.vary(case.seed, case.t, case.dyed);
                 let [tangent, to_light, to_eye] = [case.tangent, case.to_light, case.to_eye].map(Vec3::from_array);
                 let d = Directions { h: case.h, ..Directions::new(tangent, to_light, to_eye) };
                 let expected = [

@@ -26,6 +26,8 @@ pub enum Recipe {
     Rough {
         eta: f32,
         blur: Blur,
+        /// The lobes' deviations and tilts, where [`deon::balance`] needs them.
+        balanced_for: Option<[[f32; 3]; 2]>,
     },
     /// Marschner's lobes over (theta_d, phi).
     Smooth {
@@ -55,8 +57,14 @@ impl Recipe {
                 let params = look.marschner_2003.clone();
                 Self::Nalu { eta, params, beta: fibre.beta, alpha: fibre.alpha, sigma_a: fibre.sigma_a }
             }
-            Scattering::Deon => Self::Rough { eta, blur: deon::blur(material.beta_n) },
-            Scattering::Chiang => Self::Rough { eta, blur: Blur::Logistic { s: logistic_scale(material.beta_n) } },
+            Scattering::Deon => {
+                let Fibre { beta, alpha, .. } = Fibre::new(material, look);
+                Self::Rough { eta, blur: deon::blur(material.beta_n), balanced_for: Some([beta, alpha]) }
+            }
+            Scattering::Chiang => {
+                let blur = Blur::Logistic { s: logistic_scale(material.beta_n) };
+                Self::Rough { eta, blur, balanced_for: None }
+            }
         }
     }
 
@@ -78,8 +86,12 @@ impl Baked {
     pub fn new(recipe: &Recipe) -> Self {
         match recipe {
             Recipe::Nothing => Self { azimuthal: Vec::new(), longitudinal: None },
-            Recipe::Rough { eta, blur } => {
-                Self { azimuthal: azimuthal::bake(*eta, *blur).to_vec(), longitudinal: None }
+            Recipe::Rough { eta, blur, balanced_for } => {
+                let mut azimuthal = azimuthal::bake(*eta, *blur).to_vec();
+                if let Some([beta, alpha]) = balanced_for {
+                    deon::balance(&mut azimuthal, *beta, *alpha);
+                }
+                Self { azimuthal, longitudinal: None }
             }
             Recipe::Smooth { eta, params } => {
                 Self { azimuthal: marschner_2003::bake_lobes(*eta, params), longitudinal: None }
@@ -279,7 +291,7 @@ fn write(gpu: &Gpu, texture: &wgpu::Texture, layer: usize, table: &Table) {
 }
 
 /// A number as a half float, rounded to the nearest; what is too large becomes the largest.
-fn half(value: f32) -> u16 {
+pub(crate) fn half(value: f32) -> u16 {
     // 65,504 is the largest half; scaled by 2^-112 a single's exponent is a half's.
     let scaled = value.abs().min(65_504.0) * f32::from_bits(15 << 23);
     let sign = (value.to_bits() >> 31 << 15) as u16;
@@ -325,7 +337,7 @@ mod tests {
     fn a_moving_parameter_keeps_the_old_tables_until_the_new_are_made_and_a_still_picture_waits() {
         let gpu = Gpu::headless().unwrap();
         let mut tables = FibreTables::new(&gpu);
-        let of = |eta: f32| [Recipe::Rough { eta, blur: Blur::Logistic { s: 0.2 } }];
+        let of = |eta: f32| [Recipe::Rough { eta, blur: Blur::Logistic { s: 0.2 }, balanced_for: None }];
         // The first are waited for in any case.
         tables.prepare(&gpu, &of(1.5), false);
         assert_eq!(tables.recipes, of(1.5));

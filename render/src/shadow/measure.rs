@@ -86,7 +86,7 @@ impl ShadowScene {
         let n_strands = layers.iter().map(|layer| layer.n_strands).sum();
         let strands = StrandBuffers {
             vertices: gpu.buffer_of("measure.vertices", &bytes, BufferUsages::STORAGE),
-            seeds: gpu.buffer_of("measure.seeds", &[0_u32], BufferUsages::STORAGE),
+            seeds: gpu.buffer_of("measure.seeds", &[[0_u32; 2]], BufferUsages::STORAGE),
             n_vertices: vertices.len() as u32,
             n_strands,
             widest: vertices.iter().map(|v| v.w).fold(0.0, f32::max),

@@ -55,6 +55,7 @@ pub fn background(choice: Background) -> Link<'static> {
         "background",
         match choice {
             Background::Gradient => "background_gradient",
+            Background::Environment => "background_environment",
             Background::Plain => "background_plain",
             Background::Transparent => "background_transparent",
         },

@@ -7,6 +7,6 @@ mod shadowing;
 mod view;
 
 pub use drawing::{antialiasing, background, shading_rate, supersampling, tonemapping};
-pub use scattering::{environment, lobes, multiple_scattering, scattering};
+pub use scattering::{ambient, environment, lobes, multiple_scattering, scattering};
 pub use shadowing::shadowing;
 pub use view::{shadow_part, view_colour, view_picture};

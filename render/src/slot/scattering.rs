@@ -50,7 +50,21 @@ pub fn environment(choice: Environment) -> Link<'static> {
         "environment",
         match choice {
             Environment::Constant => "shade_environment_constant",
+            Environment::Karis => "shade_environment_karis",
+            Environment::Harmonics => "shade_environment_harmonics",
             Environment::Off => "shade_environment_off",
+        },
+    )
+}
+
+/// `lorelei::ambient`: what skin gets of the environment.
+pub fn ambient(choice: Environment) -> Link<'static> {
+    Link::Slot(
+        "ambient",
+        match choice {
+            // Off is a constant of no light.
+            Environment::Constant | Environment::Off => "ambient_constant",
+            Environment::Karis | Environment::Harmonics => "ambient_picture",
         },
     )
 }

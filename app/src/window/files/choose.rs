@@ -6,6 +6,7 @@ use std::sync::mpsc;
 use super::dialog::FileDialog;
 use lorelei_core::io::{HAIR_MESH_EXTENSIONS, MESH_EXTENSIONS, OUTPUT_EXTENSIONS, STRAND_EXTENSIONS};
 use lorelei_core::maps::picture::MAP_EXTENSIONS;
+use lorelei_core::panorama::read::PANORAMA_EXTENSIONS;
 
 /// What a path is wanted for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +26,7 @@ pub enum Purpose {
     LoadMap,
     SaveMap,
     LoadLook,
+    LoadEnvironment,
     SaveLook,
     SaveSheet,
     SaveTurntable,
@@ -55,6 +57,7 @@ impl Purpose {
             Self::LoadMap => "Load map",
             Self::SaveMap => "Save map",
             Self::LoadLook => "Load look",
+            Self::LoadEnvironment => "Load environment",
             Self::SaveLook => "Save look",
             Self::SaveSheet => "Save the contact sheet",
             Self::SaveTurntable => "Save the turntable",
@@ -76,6 +79,7 @@ impl Purpose {
                 vec!["ron"]
             }
             Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
+            Self::LoadEnvironment => PANORAMA_EXTENSIONS.to_vec(),
         };
         all.into_iter().map(str::to_owned).collect()
     }

@@ -1,9 +1,9 @@
 //! From a command that needs a file to the job that reads or writes it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::choose::{Choice, Chooser, Purpose};
-use super::jobs;
+use super::{jobs, listing};
 use crate::window::desk::Selection;
 use crate::window::{Studio, panels, room, tools};
 
@@ -44,7 +44,7 @@ impl Studio {
         }
     }
 
-    pub(in crate::window) fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: std::path::PathBuf) {
+    pub(in crate::window) fn chosen(&mut self, ctx: &egui::Context, purpose: Purpose, path: PathBuf) {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         self.desk.settings.folder = path.parent().map(Path::to_owned);
         let groom = self.desk.document.groom.clone();
@@ -82,6 +82,7 @@ impl Studio {
                     self.desk.notices.error(format!("{name} was not used as a look"), why.to_string());
                 }
             }
+            Purpose::LoadEnvironment => self.load_environment(ctx, path),
             Purpose::SaveSheet => {
                 let Some(picture) = self.sheet.take() else { return };
                 self.jobs.start(ctx, format!("Saving {name}"), move |_| jobs::save_picture(&picture, &path));
@@ -117,6 +118,12 @@ impl Studio {
         }
     }
 
+    /// Read a picture of what is all around, on a thread.
+    fn load_environment(&mut self, ctx: &egui::Context, path: PathBuf) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        self.jobs.start(ctx, format!("Reading {name}"), move |_| jobs::load_environment(&path));
+    }
+
     pub(in crate::window) fn selected_layer(&self) -> Option<usize> {
         match self.desk.selection {
             Selection::Layer(layer_idx) => Some(layer_idx),
@@ -133,7 +140,14 @@ impl Studio {
     pub(in crate::window) fn dropped_files(&mut self, ctx: &egui::Context) {
         let dropped: Vec<_> = ctx.input(|input| input.raw.dropped_files.clone());
         for file in dropped {
-            self.open_or_ask(ctx, file.path());
+            let path = file.path();
+            let is_environment =
+                listing::has_extension(path, &Purpose::LoadEnvironment.extensions()) && !self.desk.document.is_none();
+            if is_environment {
+                self.load_environment(ctx, path.to_owned());
+            } else {
+                self.open_or_ask(ctx, path);
+            }
         }
     }
 }

@@ -12,6 +12,8 @@ use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
 use lorelei_core::maps::picture::{self, PictureError, PictureKind};
 use lorelei_core::maps::{MapKind, ScalpMap};
+use lorelei_core::panorama::Panorama;
+use lorelei_core::panorama::read::read_panorama;
 use lorelei_core::script::{self, Step};
 use lorelei_shaders::Gpu;
 
@@ -66,6 +68,10 @@ pub enum Done {
         n_pictures: usize,
         folder: PathBuf,
     },
+    /// A picture of what is all around.
+    EnvironmentLoaded {
+        panorama: Panorama,
+    },
     MapLoaded {
         kind: MapKind,
         map: ScalpMap,
@@ -106,6 +112,7 @@ impl Done {
             | Self::Levels { .. }
             | Self::Level { .. }
             | Self::Sheet { .. }
+            | Self::EnvironmentLoaded { .. }
             | Self::MapLoaded { .. }
             | Self::Played { .. }
             | Self::Recovered { .. } => true,
@@ -218,6 +225,14 @@ pub fn open(path: &Path, head_path: Option<&Path>, watch: Watch<'_>) -> Done {
         }
         Err(why) if why.is_cancelled() => Done::Cancelled,
         Err(why) => failed(why.to_string()),
+    }
+}
+
+/// Read a picture of what is all around.
+pub fn load_environment(path: &Path) -> Done {
+    match read_panorama(path) {
+        Ok(panorama) => Done::EnvironmentLoaded { panorama },
+        Err(why) => Done::Failed { title: format!("Could not read {}", name_of(path)), why: why.to_string() },
     }
 }
 

@@ -27,6 +27,7 @@ pub enum RoomCommand {
     ContactSheet,
     Turntable,
     LoadLook,
+    LoadEnvironment,
     SaveLook,
 }
 
@@ -52,6 +53,7 @@ pub const ROOM_COMMANDS: &[Row] = &[
     row(RoomCommand::FinalPicture, "Final picture", "Light instead of false colours", &[]),
     row(RoomCommand::ContactSheet, "Contact sheet\u{2026}", "Every choice of the slot of the look that was used last, in one labelled picture", &[]),
     row(RoomCommand::Turntable, "Turntable\u{2026}", "Pictures from all around, as files beside each other", &[]),
+    row(RoomCommand::LoadEnvironment, "Load environment\u{2026}", "Light from all around from a .hdr or .exr picture; dropping one on the window does it too", &[]),
     row(RoomCommand::LoadLook, "Load look\u{2026}", "A look from a file, as one step", &[]),
     row(RoomCommand::SaveLook, "Save look\u{2026}", "The look alone, without lights and material", &[]),
 ];
@@ -64,9 +66,11 @@ pub fn is_enabled(desk: &Desk, command: RoomCommand) -> bool {
         }
         RoomCommand::EndSolo => desk.room.solo.is_some(),
         RoomCommand::FinalPicture => !desk.document.groom.look.view.is_light(),
-        RoomCommand::ContactSheet | RoomCommand::Turntable | RoomCommand::LoadLook | RoomCommand::SaveLook => {
-            !desk.document.is_none()
-        }
+        RoomCommand::ContactSheet
+        | RoomCommand::Turntable
+        | RoomCommand::LoadEnvironment
+        | RoomCommand::LoadLook
+        | RoomCommand::SaveLook => !desk.document.is_none(),
     }
 }
 
@@ -98,7 +102,11 @@ pub fn run(desk: &mut Desk, command: RoomCommand) {
             look.view = FalseColour::Final;
             set_look(desk, "View: Final picture", look);
         }
-        RoomCommand::ContactSheet | RoomCommand::Turntable | RoomCommand::LoadLook | RoomCommand::SaveLook => {}
+        RoomCommand::ContactSheet
+        | RoomCommand::Turntable
+        | RoomCommand::LoadEnvironment
+        | RoomCommand::LoadLook
+        | RoomCommand::SaveLook => {}
     }
 }
 

@@ -44,7 +44,7 @@ fn strand_buffers(gpu: &Gpu, points: &[Vec3]) -> StrandBuffers {
     let n_strands = points.len() as u32 / N_PER_STRAND;
     StrandBuffers {
         vertices: gpu.buffer_of("test.vertices", &vertices, BufferUsages::STORAGE),
-        seeds: gpu.buffer_of("test.seeds", &vec![0u32; n_strands as usize], BufferUsages::STORAGE),
+        seeds: gpu.buffer_of("test.seeds", &vec![[0u32; 2]; n_strands as usize], BufferUsages::STORAGE),
         layers: vec![DrawnLayer {
             first_vertex: 0,
             first_strand: 0,
