@@ -10,14 +10,15 @@ use lorelei_core::camera::Camera;
 use lorelei_core::distance_field::{COLLISION_RESOLUTION, DistanceField};
 use lorelei_core::edit::Edit;
 use lorelei_core::generate::{Pose, generate};
-use lorelei_core::groom::{Groom, Layer, Source};
+use lorelei_core::groom::{Groom, HairMaterial, Layer, Source};
 use lorelei_core::hair_mesh::{Accuracy, Along, HairMesh, MeshOp, Relaxer, VertexId, Weld};
 use lorelei_core::history::{History, Merge};
-use lorelei_core::look::Choice;
+use lorelei_core::look::{Choice, Look, Scattering};
 use lorelei_core::sculpt::compose::Composed;
 use lorelei_core::sculpt::{
     Composite, LiveStroke, Sculpt, SculptBase, SculptBrush, SculptLayer, Stroke, StrokePoint, StrokeView, join_changes,
 };
+use lorelei_render::scattering::tables::{Baked, Recipe};
 use serde_json::{Value, json};
 
 use super::{CliError, print_line};
@@ -33,7 +34,7 @@ pub struct MeasureArguments {
     /// What to measure.
     #[arg(value_enum)]
     what: What,
-    /// As JSON: an array of objects, of `grooming` {what, n, ms, note}; of `transparency` one object {adapter, size,
+    /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter, size,
     /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
     /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}.
     #[arg(long)]
@@ -58,6 +59,8 @@ enum What {
     Frames,
     /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
+    /// Baking the tables of every model of scattering that has some.
+    Scattering,
     /// Transmittance of every shadow technique against the exact one, GPU times and bytes.
     Shadowing,
     /// Every transparency and antialiasing against the exact picture, GPU times and bytes.
@@ -78,6 +81,7 @@ const N_ROUNDS: usize = 7;
 pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
     let lines = match arguments.what {
         What::Grooming => grooming()?,
+        What::Scattering => scattering(),
         What::Frames => return frames::run(arguments),
         What::Shadowing => return shadowing::run(arguments),
         What::Transparency => return transparency::run(arguments),
@@ -94,6 +98,24 @@ pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         print_line(&format!("{what:<44} {n:>9} {ms:>10.3}  {note}"))?;
     }
     Ok(())
+}
+
+fn scattering() -> Vec<Line> {
+    let mut lines = Vec::new();
+    for &scattering in Scattering::ALL {
+        let recipe = Recipe::of(&HairMaterial::default(), &Look { scattering, ..Look::default() });
+        if recipe == Recipe::Nothing {
+            continue;
+        }
+        let baked = Baked::new(&recipe);
+        let n = baked.azimuthal.iter().chain(&baked.longitudinal).map(|table| table.texels.len()).sum();
+        let note = format!("{} cores", std::thread::available_parallelism().map_or(1, usize::from));
+        let ms = median_ms(N_ROUNDS, || {
+            std::hint::black_box(Baked::new(&recipe));
+        });
+        lines.push(Line { what: scattering.info().label, n, ms, note });
+    }
+    lines
 }
 
 fn grooming() -> Result<Vec<Line>, CliError> {
