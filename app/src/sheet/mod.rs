@@ -5,6 +5,8 @@
 
 mod picture;
 
+use std::time::{Duration, Instant};
+
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, HairMaterial};
 use lorelei_core::io::Watch;
@@ -134,6 +136,9 @@ pub fn draw(
     Ok(Some(Sheet { slot, label, help, subject, tiles }))
 }
 
+/// How long a GPU draws a choice at least: while shaders are compiled it rests, and takes a while to come back to its speed.
+const WARM_UP: Duration = Duration::from_millis(300);
+
 fn draw_tile(
     gpu: &Gpu,
     groom: &Groom,
@@ -143,7 +148,13 @@ fn draw_tile(
 ) -> Result<image::RgbaImage, StageError> {
     let mut stage = Stage::new(gpu.clone())?;
     stage.set_bound(groom, bound)?;
-    for frame in 0..=input.n_frames {
+    let is_software = gpu.adapter_info.device_type == wgpu::DeviceType::Cpu;
+    let warm_up = if is_software || input.n_frames == 0 { Duration::ZERO } else { WARM_UP };
+    let begin = Instant::now();
+    for frame in 0.. {
+        if frame > input.n_frames && begin.elapsed() >= warm_up {
+            break;
+        }
         stage.forget();
         stage.frame(&Playback::default(), 0.0, input.camera, input.size, Detail::FULL)?;
         let passes = stage.pass_times();
