@@ -1,3 +1,5 @@
+//! Environments from pictures against integrals over all directions, turned grooms, and where light gets in.
+
 use glam::{DVec3, Quat};
 use lorelei_core::camera::direction_from_deg;
 use lorelei_core::groom::HairMaterial;
