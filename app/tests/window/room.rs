@@ -1,5 +1,5 @@
-//! Look development as a person does it: two looks side by side, what is under the pointer, a look kept in a file, and
-//! one term alone.
+//! Look development as a person does it: two looks side by side, what is under the pointer, a look kept in a file, one
+//! term alone, false colours, contact sheets, a turntable, and what choices cost.
 
 use lorelei_core::document;
 use lorelei_core::look::presets::LookPreset;
@@ -64,16 +64,11 @@ fn looks_are_wiped_inspected_and_kept_with_real_events() {
     studio.wait("no inspector", |state| state["room"]["inspects"] == false);
 
     // A look goes into a file and comes back as one step.
-    let path = folder.join("dark.ron");
+    let path = folder.join("look.ron");
     studio.command("save look");
-    studio.wait("the dialog", |state| state["dialog"] == true && state["typing"] == true);
-    // What is typed belongs to the name once the dialog has come to rest.
-    studio.rest();
-    studio.key("ctrl+a");
-    studio.type_text("dark");
-    studio.key("Return");
+    studio.click("dialog accept");
     studio.wait("the saved look", |state| state["notices"].to_string().contains("Look saved"));
-    assert_eq!(LookPreset::open(&path).unwrap().name, "dark");
+    assert_eq!(LookPreset::open(&path).unwrap().name, "look");
     studio.key("ctrl+z");
     let n_before = studio.wait("shadows again", |state| state["look"]["shadowing"] == "deep-opacity")["n_done"].clone();
     studio.command("load look");
@@ -87,4 +82,65 @@ fn looks_are_wiped_inspected_and_kept_with_real_events() {
     let alone = studio.wait("a term alone", |state| state["room"]["solo"] == "R lobe" && state["still"] == true);
     studio.screenshot("6_solo");
     assert_eq!(alone["n_done"], loaded["n_done"]);
+}
+
+#[test]
+fn false_colours_costs_sheets_and_turntables_come_from_the_window() {
+    let Some((_alone, folder)) = begin("room_pictures") else { return };
+    let file = folder.join("small.lorelei");
+    document::save(&small_groom(), &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the first picture", |state| state["still"] == true);
+    let viewport: [f64; 4] = numbers(&opened["viewport"]);
+    let [left, top, right, bottom] = viewport;
+    // The last row stays near the lower end of its panel.
+    let in_panel = [top + 60.0, top + 0.63 * (bottom - top)];
+    let light = studio.screenshot("1_light");
+    let cost = |state: &serde_json::Value, choice: &str| state["room"]["costs"][choice].as_f64();
+
+    // False colours from the panel, with what they mean beside them.
+    studio.scroll_to("slot primitive", "slot view", in_panel);
+    studio.rest();
+    studio.click("slot view");
+    studio.click("choice view=overdraw");
+    let coloured = studio.wait("false colours", |state| {
+        state["look"]["view"] == "overdraw" && state["still"] == true && state["marks"]["legend"].is_array()
+    });
+    assert!(cost(&coloured, "shadowing=deep-opacity") > Some(0.0), "{}", coloured["room"]["costs"]);
+    studio.move_to((left + 0.3 * (right - left), bottom - 20.0));
+    let shown = studio.screenshot("2_overdraw");
+    assert!(difference(&shown, &light, viewport) > 0.01);
+    assert!(difference(&shown, &light, numbers(&coloured["marks"]["legend"])) > 0.05, "the legend is drawn");
+    studio.command("final picture");
+    studio.wait("light", |state| state["look"]["view"] == "final" && state["still"] == true);
+
+    // Another choice costs something else, and what the first cost is still known.
+    studio.click("slot background");
+    studio.click("choice background=plain");
+    let plain = studio.wait("another background", |state| {
+        state["look"]["background"] == "plain" && state["still"] == true && !state["marks"]["legend"].is_array()
+    });
+    assert!(cost(&plain, "tonemapping=agx").is_some() && cost(&plain, "view=overdraw").is_some());
+
+    // Every choice of the slot that was used last, in one picture.
+    studio.command("contact sheet");
+    studio.click("dialog accept");
+    studio
+        .wait("the saved sheet", |state| state["notices"].to_string().contains("background.png") && state["jobs"] == 0);
+    let sheet = image::open(folder.join("background.png")).unwrap().to_rgb8();
+    assert!(sheet.width() > 900 && sheet.height() > 300, "three tiles: {:?}", sheet.dimensions());
+
+    // All around, as files.
+    studio.command("turntable");
+    studio.click("dialog accept");
+    studio
+        .wait("the turntable", |state| state["notices"].to_string().contains("Turntable saved") && state["jobs"] == 0);
+    let place = |idx: u32| folder.join(format!("turntable-{idx:03}.png"));
+    assert!(place(35).exists() && !place(36).exists());
+    let picture = |idx: u32| image::open(place(idx)).unwrap().to_rgb8();
+    let (front, side) = (picture(0), picture(9));
+    let size = [0.0, 0.0, f64::from(front.width()), f64::from(front.height())];
+    assert_eq!([front.width(), front.height()], [(right - left) as u32, (bottom - top) as u32]);
+    assert!(difference(&front, &side, size) > 0.002, "the groom has turned");
 }
