@@ -28,11 +28,11 @@ fn an_edited_shader_is_seen_in_the_next_frame_and_a_faulty_one_is_told_once_and_
     let (result, grey) = frame(&good);
     assert_eq!(result, Ok(()));
     assert_eq!(grey[0], grey[1]);
-    let red = good.replace("vec3<f32>(grey)", "vec3<f32>(1.0, 0.0, 0.0)");
+    let red = good.replace("vec3<f32>(behind.grey)", "vec3<f32>(1.0, 0.0, 0.0)");
     assert_eq!(frame(&red), (Ok(()), [255, 0, 0, 255]));
-    let faulty = good.replace("vec3<f32>(grey)", "vec3<f32>(gray)");
+    let faulty = good.replace("vec3<f32>(behind.grey)", "vec3<f32>(behind.gray)");
     let (result, pixel) = frame(&faulty);
-    let line = 1 + good.lines().position(|line| line.contains("vec3<f32>(grey)")).unwrap();
+    let line = 1 + good.lines().position(|line| line.contains("vec3<f32>(behind.grey)")).unwrap();
     let why = result.unwrap_err();
     assert!(why.starts_with(&format!("background_plain.wgsl:{line}:")), "{why}");
     assert_eq!(pixel, [255, 0, 0, 255], "the last good one stays");
