@@ -156,6 +156,8 @@ pub enum EditError {
     NoHead,
     #[error("the map {kind}: {problem}")]
     Map { kind: MapKind, problem: MapError },
+    #[error("the picture of the environment: {0}")]
+    Panorama(String),
     #[error("layer {layer_idx} is not made of a hair mesh: choose one that is")]
     NotHairMesh { layer_idx: usize },
     #[error("hair mesh of layer {layer_idx}: {error}")]
@@ -174,7 +176,10 @@ impl Groom {
             Edit::SetName(name) => Edit::SetName(replace(&mut self.name, name)),
             Edit::SetHead(head) => Edit::SetHead(replace(&mut self.head, head)),
             Edit::SetLook(look) => Edit::SetLook(Box::new(replace(&mut self.look, *look))),
-            Edit::SetPanorama(panorama) => Edit::SetPanorama(replace(&mut self.panorama, panorama)),
+            Edit::SetPanorama(panorama) => {
+                panorama.as_ref().map_or(Ok(()), |panorama| panorama.check()).map_err(EditError::Panorama)?;
+                Edit::SetPanorama(replace(&mut self.panorama, panorama))
+            }
             Edit::SetLod(lod) => Edit::SetLod(Box::new(replace(&mut self.lod, *lod))),
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),

@@ -5,7 +5,6 @@ use glam::Vec3;
 
 use crate::groom::{Groom, Source};
 use crate::mesh::TriMesh;
-use crate::panorama::Panorama;
 use crate::strands::Strands;
 
 /// The first problem, in words, or nothing.
@@ -14,7 +13,7 @@ pub(super) fn check(groom: &Groom) -> Result<(), String> {
         check_mesh(&head.mesh).map_err(|problem| format!("head `{}`: {problem}", head.name))?;
     }
     if let Some(panorama) = &groom.panorama {
-        check_panorama(panorama).map_err(|problem| format!("its picture of the environment: {problem}"))?;
+        panorama.check().map_err(|problem| format!("its picture of the environment: {problem}"))?;
     }
     for layer in &groom.layers {
         let checked = match &layer.source {
@@ -28,17 +27,6 @@ pub(super) fn check(groom: &Groom) -> Result<(), String> {
         }
     }
     Ok(())
-}
-
-fn check_panorama(panorama: &Panorama) -> Result<(), String> {
-    let Panorama { width, height, texels, .. } = panorama;
-    if *width == 0 || *height == 0 || texels.len() as u64 != 3 * u64::from(*width) * u64::from(*height) {
-        return Err(format!("{} numbers are no picture of {width} x {height}", texels.len()));
-    }
-    match texels.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
-        Some(value) => Err(format!("{value} is no amount of light")),
-        None => Ok(()),
-    }
 }
 
 fn check_mesh(mesh: &TriMesh) -> Result<(), String> {

@@ -212,3 +212,21 @@ fn a_batch_that_fails_in_the_middle_changes_nothing() {
     assert_eq!(groom.apply(batch), Err(EditError::NoSuchLayer { layer_idx: 9, n_layers: 3 }));
     assert_eq!(groom, before);
 }
+
+#[test]
+fn a_picture_of_the_environment_that_is_none_is_refused() {
+    let mut groom = small_groom();
+    let before = groom.clone();
+    for (width, height, texels, why) in [
+        (2, 1, vec![0.5; 3], "3 numbers are no picture of 2 x 1"),
+        (u32::MAX, u32::MAX, vec![0.5; 3], "3 numbers are no picture"),
+        (0, 0, Vec::new(), "0 numbers are no picture of 0 x 0"),
+        (1, 1, vec![1.0, f32::NAN, 1.0], "NaN is no amount of light"),
+        (1, 1, vec![1.0, -2.0, 1.0], "-2 is no amount of light"),
+    ] {
+        let panorama = Panorama { width, height, texels, ..Panorama::default() };
+        let refused = groom.apply(Edit::SetPanorama(Some(Arc::new(panorama)))).unwrap_err().to_string();
+        assert!(refused.contains(why), "{refused}");
+        assert_eq!(groom, before);
+    }
+}

@@ -51,6 +51,18 @@ impl Panorama {
         Self { path: PathBuf::new(), file_size: [0; 2], width, height, texels }
     }
 
+    /// Whether there are as many texels as the size says, of light; the problem in words.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { width, height, texels, .. } = self;
+        if *width == 0 || *height == 0 || texels.len() as u128 != 3 * u128::from(*width) * u128::from(*height) {
+            return Err(format!("{} numbers are no picture of {width} x {height}", texels.len()));
+        }
+        match texels.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
+            Some(value) => Err(format!("{value} is no amount of light")),
+            None => Ok(()),
+        }
+    }
+
     pub fn texel(&self, column: u32, row: u32) -> Vec3 {
         let at = 3 * (row as usize * self.width as usize + column as usize);
         Vec3::from_slice(&self.texels[at..at + 3])
