@@ -100,8 +100,7 @@ fn a_second_sculpt_layer_is_added_brushed_weighed_and_undone() {
     studio.wait("a stroke", |state| n_done(state) == 3 && state["still"] == true);
     let full = studio.screenshot("2_brushed");
     studio.scroll_to("sculpt Add", "value sculpt weight", [120.0, 740.0]);
-    studio.hover("value sculpt weight");
-    studio.xdotool(&["click", "--repeat", "2", "--delay", "60", "1"]);
+    studio.click("value sculpt weight");
     studio.wait("a number to type", |state| state["typing"] == true);
     studio.key("ctrl+a");
     studio.type_text("0.5");
