@@ -87,6 +87,8 @@ fn camera() -> Camera {
 enum Coverage {
     /// As the reference's, whatever draws it.
     Right,
+    /// What lies behind the last layer is left out.
+    Short,
     /// Strands are drawn opaque or not at all: wider or thinner than they are.
     Off,
 }
@@ -98,9 +100,9 @@ fn promised(transparency: Transparency) -> Coverage {
         | Transparency::WeightedAverage
         | Transparency::Sorted
         | Transparency::HalfAngle
-        | Transparency::DepthPeeling
         | Transparency::Occupancy
         | Transparency::KNearest => Coverage::Right,
+        Transparency::DepthPeeling => Coverage::Short,
         Transparency::Opaque
         | Transparency::AlphaTest
         | Transparency::Hashed
@@ -141,6 +143,7 @@ fn fault(gpu: &Gpu, renderer: &mut Renderer, groom: &Groom, reference: f64) -> O
     };
     let within = match promised(groom.look.transparency) {
         Coverage::Right => 0.75..1.25,
+        Coverage::Short => 0.4..1.25,
         Coverage::Off => 0.15..2.5,
     };
     if !within.contains(&(coverage / reference)) {
