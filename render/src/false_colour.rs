@@ -162,11 +162,7 @@ impl FalseColourPass {
             links.extend([slot::view_colour(key.0), slot::shadow_part(key.1)]);
             library.kernel(gpu, "view_vertex", "paint", &[], &links)
         };
-        if let Some(kernel) = self.paint.get_mut(&key) {
-            kernel.refresh(library, make);
-        } else {
-            self.paint.insert(key, Hot::new(library, make)?);
-        }
+        Hot::have(&mut self.paint, library, &key, make)?;
         self.send_layers(gpu, strands);
         self.send_colours(gpu, input);
         let shown = [input.look.view_params.light, input.look.view_params.layer, 0, 0];

@@ -243,11 +243,7 @@ impl StrandGenerator {
             };
             for (variant, n_items) in from_paths.then_some(of_paths).into_iter().chain([of_strands]) {
                 let make = |library: &ShaderLibrary| variant.make(library, gpu);
-                if let Some(kernel) = self.kernels.get_mut(&variant) {
-                    kernel.refresh(library, make);
-                } else {
-                    self.kernels.insert(variant, Hot::new(library, make)?);
-                }
+                Hot::have(&mut self.kernels, library, &variant, make)?;
                 let bindings = self.kernels[&variant].bind_used(gpu, &resources)?;
                 dispatches.push(Dispatch { bindings, n_items, variant });
             }

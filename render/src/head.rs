@@ -253,11 +253,7 @@ impl HeadPass {
             links.push(slot::ambient(choices.1));
             library.kernel(gpu, "head_shade", "shade_head", &[], &links)
         };
-        if let Some(kernel) = self.shade.get_mut(&choices) {
-            kernel.refresh(library, make_shade);
-        } else {
-            self.shade.insert(choices, Hot::new(library, make_shade)?);
-        }
+        Hot::have(&mut self.shade, library, &choices, make_shade)?;
         let kernel = &self.shade[&choices];
         let mut resources = vec![
             ("view", input.view.as_entire_binding()),

@@ -141,11 +141,7 @@ impl Inspector {
     ) -> Result<&Kernel, ShaderError> {
         let make = |library: &ShaderLibrary| library.kernel(gpu, file, entry, &[], links);
         let key = format!("{entry} {links:?}");
-        if let Some(kernel) = self.kernels.get_mut(&key) {
-            kernel.refresh(library, make);
-        } else {
-            self.kernels.insert(key.clone(), Hot::new(library, make)?);
-        }
+        Hot::have(&mut self.kernels, library, &key, make)?;
         Ok(&self.kernels[&key])
     }
 

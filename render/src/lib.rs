@@ -31,5 +31,6 @@ pub mod white_balance;
 pub use bound::Bound;
 pub use frame::FrameInput;
 pub use head::TooManyTriangles;
+pub use profile::DRAWING_PASSES;
 pub use raster::TooManyVertices;
 pub use renderer::{FrameStatistics, Pixels, RenderError, Renderer};

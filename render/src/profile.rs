@@ -5,6 +5,9 @@ use std::ops::Range;
 use lorelei_shaders::{Gpu, GpuError};
 use wgpu_profiler::{GpuProfiler, GpuProfilerSettings, GpuTimerQueryResult};
 
+/// How the passes begin that turn shaded strands into pixels, whichever technique does it.
+pub const DRAWING_PASSES: &[&str] = &["raster.", "blended", "sliced", "fragments", "downsample"];
+
 /// Times passes on the encoder's own line, so that whoever records a pass need not know about it.
 pub(crate) struct Profile {
     profiler: GpuProfiler,

@@ -10,6 +10,7 @@ use lorelei_core::look::{
 use lorelei_shaders::{Gpu, ShaderLibrary};
 
 use super::{FrameInput, Pixels, RenderError, Renderer, Threads};
+use crate::profile::DRAWING_PASSES;
 use crate::sample::sample_groom;
 
 const SIZE: [u32; 2] = [256, 256];
@@ -118,6 +119,10 @@ fn every_transparency_is_as_near_the_exact_picture_as_it_promises() {
             groom.look.primitive = primitive;
             groom.look.transparency = transparency;
             let (_, rmse, coverage) = drawn(&mut renderer, &groom, &camera);
+            let times = renderer.pass_times();
+            let is_drawing = |pass: &str| DRAWING_PASSES.iter().any(|start| pass.starts_with(start));
+            let told = times.iter().any(|(pass, _)| pass != "downsample" && is_drawing(pass));
+            assert!(told || times.is_empty(), "{transparency:?}: nobody knows what it costs: {times:?}");
             println!("{primitive:?} {transparency:?}: rmse {rmse:.4}, coverage {coverage:.3}");
             // Measured, and a third more.
             let most = match transparency {

@@ -82,11 +82,7 @@ impl ResolvePass {
             let links = [slot::tonemapping(choices.0), slot::background(choices.1), slot::view_picture(choices.2)];
             library.kernel(gpu, "resolve", "resolve", &[], &links)
         };
-        if let Some(kernel) = self.kernels.get_mut(&choices) {
-            kernel.refresh(library, make);
-        } else {
-            self.kernels.insert(choices, Hot::new(library, make)?);
-        }
+        Hot::have(&mut self.kernels, library, &choices, make)?;
         gpu.queue.write_buffer(&self.look, 0, bytemuck::bytes_of(&ResolveLook::new(look)));
         let kernel = &self.kernels[&choices];
         let mut resources = vec![

@@ -8,7 +8,7 @@ use lorelei_core::light::{INTENSITY_DISTANCE, Light, LightKind};
 use lorelei_core::look::{Environment, Look};
 use lorelei_shaders::Gpu;
 
-use crate::environment::{EnvironmentUniform, has_probes, probe_directions};
+use crate::environment::{EnvironmentUniform, probe_directions};
 
 /// A light without extent. A rectangle is several of them.
 #[repr(C)]
@@ -101,7 +101,7 @@ impl SceneLights {
 
     /// The same with the probes that the look's environment asks for, behind the lamps.
     pub fn with_probes(mut self, look: &Look) -> Self {
-        if has_probes(look.environment) {
+        if look.environment.is_pictured() {
             for direction in probe_directions() {
                 self.lights.push(SceneLight {
                     place: direction.extend(0.0).to_array(),

@@ -154,12 +154,7 @@ impl Shade {
         let &ShadeInput { strands, look, scene, scene_is_new, shadow, waits } = input;
         let choices = Choices::of(look);
         let make = |library: &ShaderLibrary| library.kernel(gpu, "shade", "shade", &[], &links(look));
-        let mut is_stale = scene_is_new;
-        if let Some(kernel) = self.kernels.get_mut(&choices) {
-            is_stale |= kernel.refresh(library, make);
-        } else {
-            self.kernels.insert(choices, Hot::new(library, make)?);
-        }
+        let mut is_stale = scene_is_new | Hot::have(&mut self.kernels, library, &choices, make)?;
 
         let n_bytes = u64::from(strands.n_vertices) * 8;
         if self.radiance.size() < n_bytes {

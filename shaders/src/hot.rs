@@ -1,5 +1,8 @@
 //! A thing made from shaders that is remade when their files change, and stays as it was when that fails.
 
+use std::collections::HashMap;
+use std::hash::Hash;
+
 use crate::error::ShaderError;
 use crate::library::ShaderLibrary;
 
@@ -42,6 +45,20 @@ impl<T> Hot<T> {
                 false
             }
         }
+    }
+
+    /// Have the one of a key: made where there is none yet, refreshed where there is. True where it is another than before.
+    pub fn have<K: Clone + Eq + Hash>(
+        made: &mut HashMap<K, Self>,
+        library: &ShaderLibrary,
+        key: &K,
+        make: impl FnOnce(&ShaderLibrary) -> Result<T, ShaderError>,
+    ) -> Result<bool, ShaderError> {
+        if let Some(known) = made.get_mut(key) {
+            return Ok(known.refresh(library, make));
+        }
+        made.insert(key.clone(), Self::new(library, make)?);
+        Ok(true)
     }
 
     /// Why the last edit is not in use.

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use lorelei_core::camera::direction_from_deg;
-use lorelei_core::look::{Background, Environment, Look};
+use lorelei_core::look::{Background, Look};
 use lorelei_core::panorama::Panorama;
 use lorelei_shaders::Gpu;
 
@@ -139,9 +139,4 @@ fn texture(gpu: &Gpu, [width, height]: [u32; 2], halves: &[u16]) -> wgpu::Textur
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * width), rows_per_image: None };
     gpu.queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(halves), layout, size);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-/// Whether the environment has probes of its own; one without asks the lamps' shadows.
-pub fn has_probes(environment: Environment) -> bool {
-    environment.is_pictured()
 }

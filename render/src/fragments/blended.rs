@@ -52,12 +52,7 @@ impl Blended {
         let key = (primitive, links_of(look));
         let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
         let make = |library: &ShaderLibrary| make_draw(gpu, library, primitive, &key.1, over);
-        if let Some(draw) = self.draws.get_mut(&key) {
-            draw.refresh(library, make);
-        } else {
-            let draw = Hot::new(library, make)?;
-            self.draws.insert(key.clone(), draw);
-        }
+        Hot::have(&mut self.draws, library, &key, make)?;
         self.sort.prepare(gpu, library, input.n_items)?;
         let band = Band { n_rows: input.size[1], ..bytemuck::Zeroable::zeroed() };
         gpu.queue.write_buffer(&self.band, 0, bytemuck::bytes_of(&band));

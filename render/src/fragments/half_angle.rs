@@ -4,7 +4,7 @@
 //! light's buffer.
 //!
 //! ```text
-//! half_angle_keys   sort     for each slice: half_angle_shade   ribbons       half_angle_splat
+//! ribbons_keys      sort     for each slice: half_angle_shade   ribbons       half_angle_splat
 //! along h          -------->                 by the buffer  --> picture  ---> light's buffer --> next slice
 //! ```
 //!
@@ -133,13 +133,15 @@ impl HalfAngle {
             Colours::Vertices => Some(("half_angle_shade", "shade", links_of_slice(look, colours))),
             Colours::Shown => Some(("half_angle_paint", "paint", links_of_slice(look, colours))),
         };
-        let keys_key: KernelKey = ("half_angle_keys", "write_keys", Vec::new());
+        let keys_key: KernelKey = ("ribbons_keys", "write_keys", vec![Link::Def("HALF_ANGLE")]);
         let splat_key: KernelKey = ("half_angle_splat", "splat", Vec::new());
         for key in [&keys_key, &splat_key].into_iter().chain(&light_key) {
-            have(&mut self.kernels, library, key, |library| library.kernel(gpu, key.0, key.1, &[], &key.2))?;
+            Hot::have(&mut self.kernels, library, key, |library| library.kernel(gpu, key.0, key.1, &[], &key.2))?;
         }
         let blend = if is_front_first { UNDER } else { BlendState::PREMULTIPLIED_ALPHA_BLENDING };
-        have(&mut self.draws, library, &draw_key, |library| make_draw(gpu, library, draw_key.0, &draw_key.2, blend))?;
+        Hot::have(&mut self.draws, library, &draw_key, |library| {
+            make_draw(gpu, library, draw_key.0, &draw_key.2, blend)
+        })?;
         let mut sort = match self.sort.take() {
             Some(sort) => sort,
             None => Sort::new(gpu, library)?,
@@ -354,21 +356,6 @@ fn resolution_of(gpu: &Gpu, asked: u32, n_lights: usize) -> u32 {
         );
     }
     asked.clamp(8, most.max(8))
-}
-
-/// Make what is not there yet, and again where its sources changed.
-fn have<K: Clone + Eq + std::hash::Hash, T>(
-    made: &mut HashMap<K, Hot<T>>,
-    library: &ShaderLibrary,
-    key: &K,
-    make: impl Fn(&ShaderLibrary) -> Result<T, ShaderError>,
-) -> Result<(), ShaderError> {
-    if let Some(hot) = made.get_mut(key) {
-        hot.refresh(library, make);
-    } else {
-        made.insert(key.clone(), Hot::new(library, make)?);
-    }
-    Ok(())
 }
 
 fn pass(label: &str) -> wgpu::ComputePassDescriptor<'_> {

@@ -250,12 +250,7 @@ impl Fragments {
         for &sink in &technique.sinks {
             let key = key_of(look, technique, sink);
             let make = |library: &ShaderLibrary| make_pass(gpu, library, &key);
-            if let Some(pass) = self.passes.get_mut(&key) {
-                pass.refresh(library, make);
-            } else {
-                let pass = Hot::new(library, make)?;
-                self.passes.insert(key, pass);
-            }
+            Hot::have(&mut self.passes, library, &key, make)?;
         }
         let make = |library: &ShaderLibrary| library.kernel(gpu, technique.composite, "composite", &[], &[]);
         if let Some(kernel) = self.composites.get_mut(technique.composite) {

@@ -365,12 +365,7 @@ impl Raster {
         let threads = self.threads;
         let key = threads.fine_links(input.look, self.is_wide);
         let make = |library: &ShaderLibrary| library.kernel(gpu, threads.fine_file(), "fine", &[], &key);
-        if let Some(kernel) = self.fine.get_mut(&key) {
-            kernel.refresh(library, make);
-        } else {
-            let kernel = Hot::new(library, make)?;
-            self.fine.insert(key.clone(), kernel);
-        }
+        Hot::have(&mut self.fine, library, &key, make)?;
         let fine = &self.fine[&key];
         profile.pass("raster.scatter", encoder, |encoder| self.record_scatter(gpu, encoder, 0))?;
         profile.pass("raster.fine", encoder, |encoder| self.record_fine(gpu, encoder, fine, input, 0))?;

@@ -9,7 +9,7 @@ use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::look::Primitive;
 use lorelei_render::sort::Sort;
-use lorelei_render::{FrameInput, RenderError, Renderer};
+use lorelei_render::{DRAWING_PASSES, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use serde_json::{Value, json};
 
@@ -29,27 +29,27 @@ const WARM_UP: Duration = Duration::from_millis(700);
 
 /// Milliseconds of a frame's parts.
 #[derive(Debug, Clone, Copy, Default)]
-struct Parts {
+pub(super) struct Parts {
     generate: f64,
     shadow: f64,
     shade: f64,
     head: f64,
     /// Strands into pixels.
-    draw: f64,
+    pub draw: f64,
     /// The picture.
     resolve: f64,
 }
 
 impl Parts {
-    fn of(passes: &[(String, f64)]) -> Self {
+    pub fn of(passes: &[(String, f64)]) -> Self {
         let mut parts = Self::default();
         for (pass, ms) in passes {
             let part = match pass.split('.').next().unwrap_or_default() {
+                _ if DRAWING_PASSES.iter().any(|start| pass.starts_with(start)) => &mut parts.draw,
                 "generate" => &mut parts.generate,
                 "shadow" => &mut parts.shadow,
                 "shade" | "view" => &mut parts.shade,
                 "head" => &mut parts.head,
-                "raster" | "blended" | "fragments" | "downsample" => &mut parts.draw,
                 _ => &mut parts.resolve,
             };
             *part += ms;
@@ -198,7 +198,7 @@ fn median(
 }
 
 /// A frame to its end; the picture stays on the GPU, which would rest while it is read.
-fn draw(gpu: &Gpu, renderer: &mut Renderer, camera: &Camera, size: [u32; 2]) -> Result<(), RenderError> {
+pub(super) fn draw(gpu: &Gpu, renderer: &mut Renderer, camera: &Camera, size: [u32; 2]) -> Result<(), RenderError> {
     let input =
         FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -295,10 +295,11 @@ mod tests {
 
     #[test]
     fn every_pass_belongs_to_a_part() {
-        let passes = ["generate", "shadow.head", "shadow.hair", "shade", "head.surface", "raster.fine", "resolve"];
+        let passes =
+            ["generate", "shadow.head", "shadow.hair", "shade", "head.surface", "raster.fine", "resolve", "sliced"];
         let times: Vec<(String, f64)> =
             passes.iter().zip(1..).map(|(pass, k)| (pass.to_string(), f64::from(k))).collect();
-        assert_eq!(Parts::of(&times).all(), [1.0, 5.0, 4.0, 5.0, 6.0, 7.0]);
-        assert_eq!(Parts::of(&times).sum(), 28.0);
+        assert_eq!(Parts::of(&times).all(), [1.0, 5.0, 4.0, 5.0, 6.0 + 8.0, 7.0]);
+        assert_eq!(Parts::of(&times).sum(), 36.0);
     }
 }

@@ -3,17 +3,17 @@
 use std::fmt::Write;
 use std::time::{Duration, Instant};
 
-use glam::Affine3A;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::look::{Antialiasing, Choice, Primitive, Transparency};
+use lorelei_render::Renderer;
 use lorelei_render::reference::Apart;
-use lorelei_render::{FrameInput, Renderer};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use serde_json::json;
 
 use super::super::scene::set_strand_count;
 use super::super::{CliError, print_line};
+use super::frames::{self, Parts};
 use super::{MeasureArguments, page};
 
 const PAGE: &str = "docs/looks/drawing-table.md";
@@ -24,10 +24,6 @@ const OPACITIES: [f32; 3] = [0.1, 0.3, 1.0];
 /// takes a while to come back to its speed.
 const N_FRAMES: u32 = 5;
 const LONG_ENOUGH: Duration = Duration::from_millis(400);
-/// Passes that turn shaded strands into pixels.
-const PASSES: [&str; 7] =
-    ["raster.count", "raster.scatter", "raster.fine", "raster.more_rounds", "blended", "sliced", "fragments"];
-
 /// One way of drawing one groom.
 struct Row {
     groom: &'static str,
@@ -73,13 +69,13 @@ fn measure(gpu: &Gpu, name: &'static str, groom: &mut Groom, side: u32, rows: &m
         groom.look.drawing.opacity = opacity;
         (groom.look.primitive, groom.look.antialiasing) = (Primitive::Compute, Antialiasing::Analytic);
         groom.look.transparency = Transparency::FrontToBack;
-        draw(&mut renderer, groom, &camera, side, 1, Duration::ZERO)?;
+        draw(gpu, &mut renderer, groom, &camera, side, 1, Duration::ZERO)?;
         let exact = renderer.exact_hair(&camera).map_err(CliError::failed)?;
         for (primitive, antialiasing, transparency) in ways(opacity) {
             groom.look.primitive = primitive;
             groom.look.antialiasing = antialiasing;
             groom.look.transparency = transparency;
-            let gpu_ms = draw(&mut renderer, groom, &camera, side, N_FRAMES, LONG_ENOUGH)?;
+            let gpu_ms = draw(gpu, &mut renderer, groom, &camera, side, N_FRAMES, LONG_ENOUGH)?;
             let apart = Apart::between(&renderer.read_hair().map_err(CliError::failed)?, &exact);
             let statistics = renderer.statistics();
             rows.push(Row {
@@ -113,6 +109,7 @@ fn ways(opacity: f32) -> Vec<(Primitive, Antialiasing, Transparency)> {
 
 /// Draw some frames; the fewest milliseconds that the GPU took from strands to pixels.
 fn draw(
+    gpu: &Gpu,
     renderer: &mut Renderer,
     groom: &Groom,
     camera: &Camera,
@@ -121,23 +118,14 @@ fn draw(
     at_least: Duration,
 ) -> Result<Option<f64>, CliError> {
     renderer.set_groom(groom).map_err(CliError::failed)?;
-    let input = FrameInput {
-        camera,
-        size: [side, side],
-        world_from_head: Affine3A::IDENTITY,
-        guides: &[],
-        guides_stamp: 0,
-        lod_scale: 1.0,
-    };
     let mut fewest: Option<f64> = None;
     let begin = Instant::now();
     let mut n_drawn = 0;
     while n_drawn < n_frames || begin.elapsed() < at_least {
         n_drawn += 1;
-        renderer.render_pixels(&input).map_err(CliError::failed)?;
+        frames::draw(gpu, renderer, camera, [side, side]).map_err(CliError::failed)?;
         let times = renderer.pass_times();
-        let drawing = times.iter().filter(|(pass, _)| PASSES.contains(&pass.as_str()));
-        let ms: f64 = drawing.map(|(_, ms)| ms).sum();
+        let ms = Parts::of(&times).draw;
         if !times.is_empty() {
             fewest = Some(fewest.map_or(ms, |fewest| fewest.min(ms)));
         }

@@ -346,7 +346,6 @@ impl FileDialog {
         answer
     }
 
-    /// The chosen path, unless it must be asked about first.
     /// Where to save to and under which name, where a path is typed that is to be made.
     fn new_file(&self, typed: &Path) -> Option<(PathBuf, String)> {
         let (folder, name) = (typed.parent()?, typed.file_name()?);
@@ -354,6 +353,7 @@ impl FileDialog {
         is_new_file.then(|| (folder.to_owned(), name.to_string_lossy().into_owned()))
     }
 
+    /// The chosen path, unless it must be asked about first.
     fn accept(&mut self) -> Option<Choice> {
         if !self.purpose.is_save() {
             let marked = self.marked.clone().unwrap_or_else(|| self.folder.join(&self.name));

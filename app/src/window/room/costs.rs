@@ -34,8 +34,8 @@ struct Measured {
     what: &'static str,
 }
 
-/// Passes that turn strands into pixels: three slots decide about all of them together.
-const DRAWING: &[&str] = &["raster.", "blended", "fragments", "downsample"];
+/// Three slots decide about all of them together.
+const DRAWING: &[&str] = lorelei_render::DRAWING_PASSES;
 
 #[rustfmt::skip]
 const MEASURED: &[Measured] = &[
