@@ -3,42 +3,29 @@
 // One thread takes one strand through all of a frame's steps. A thread for every vertex, with workgroup memory and
 // barriers between the batches, was rejected: sim/src/gpu.rs says why.
 
+#import lorelei::sim_pose::{Pose, rotate, multiply, pose_apply, pose_apply_inverse, after_inverse_of, shortest_turn, normalize_or_zero}
+#import lorelei::sim_contact::contact_collide
+#import lorelei::sim_air::air_velocity
+
 struct StepParams {
     // Displacement by gravity in a step, cm.
     gravity_step: vec3<f32>,
     // Share of the velocity relative to the head that a step keeps.
     keep: f32,
-    // Displacement of the air in a step, cm.
-    wind_step: vec3<f32>,
     // Share of the air's velocity that a step takes up.
     take_up: f32,
     bend: f32,
     hold: f32,
     hold_length: f32,
-    margin: f32,
-    friction: f32,
     max_displacement: f32,
     n_iterations: u32,
     step_secs: f32,
     // Share of the difference to each neighbour's velocity that a step takes away.
     rub: f32,
-    pad_0: f32,
-    pad_1: f32,
-    pad_2: f32,
-}
-
-struct Pose {
-    rotation: vec4<f32>,
-    translation: vec4<f32>,
 }
 
 struct Params {
     step: StepParams,
-    field_min: vec3<f32>,
-    field_cell: f32,
-    // Nodes of the head's distance field; x is 0 where there is none.
-    field_n: vec3<u32>,
-    n_spheres: u32,
     n_guides: u32,
     n_vertices: u32,
     n_steps: u32,
@@ -67,16 +54,12 @@ struct Params {
 @group(0) @binding(auto) var<storage, read_write> begun: array<vec4<f32>>;
 // What the picture shows.
 @group(0) @binding(auto) var<storage, read_write> positions: array<vec4<f32>>;
-@group(0) @binding(auto) var<storage, read> field_values: array<f32>;
-// Centre and radius.
-@group(0) @binding(auto) var<storage, read> spheres: array<vec4<f32>>;
 
 const N_PINNED = 2u;
 const MIN_EDGE = 0.05;
 const SMOOTHING = 3.0;
 const HOLD_ENDS = 7.0;
 const SHELTER = 4.0;
-const NOTHING_NEAR = 1e9;
 
 // First vertex of this thread's strand.
 var<private> base: u32;
@@ -106,116 +89,12 @@ fn weight(k: u32) -> f32 {
     return select(1.0, 0.0, k < N_PINNED);
 }
 
-fn normalize_or_zero(v: vec3<f32>) -> vec3<f32> {
-    let l = length(v);
-    if l > 1e-9 {
-        return v / l;
-    }
-    return vec3<f32>(0.0);
-}
-
 fn clamp_length(v: vec3<f32>, largest: f32) -> vec3<f32> {
     let l = length(v);
     if l > largest {
         return v * (largest / l);
     }
     return v;
-}
-
-// Quaternions are (x, y, z, w), unit length.
-fn rotate(q: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
-    let t = 2.0 * cross(q.xyz, v);
-    return v + q.w * t + cross(q.xyz, t);
-}
-
-fn conjugate(q: vec4<f32>) -> vec4<f32> {
-    return vec4<f32>(-q.xyz, q.w);
-}
-
-// First b, then a.
-fn multiply(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
-    return vec4<f32>(a.w * b.xyz + b.w * a.xyz + cross(a.xyz, b.xyz), a.w * b.w - dot(a.xyz, b.xyz));
-}
-
-fn pose_apply(pose: Pose, p: vec3<f32>) -> vec3<f32> {
-    return rotate(pose.rotation, p) + pose.translation.xyz;
-}
-
-fn pose_apply_inverse(pose: Pose, p: vec3<f32>) -> vec3<f32> {
-    return rotate(conjugate(pose.rotation), p - pose.translation.xyz);
-}
-
-// First the inverse of `before`, then `after`.
-fn after_inverse_of(after: Pose, before: Pose) -> Pose {
-    let rotation = normalize(multiply(after.rotation, conjugate(before.rotation)));
-    let translation = after.translation.xyz - rotate(rotation, before.translation.xyz);
-    return Pose(rotation, vec4<f32>(translation, 0.0));
-}
-
-// The smallest rotation that takes the direction of `a` to that of `b`.
-fn shortest_turn(a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
-    let scale = sqrt(dot(a, a) * dot(b, b));
-    if scale < 1e-12 {
-        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
-    }
-    let w = scale + dot(a, b);
-    if w < 1e-5 * scale {
-        var across = vec3<f32>(0.0, 1.0, 0.0);
-        if abs(a.x) < max(abs(a.y), abs(a.z)) {
-            across = vec3<f32>(1.0, 0.0, 0.0);
-        }
-        return vec4<f32>(normalize_or_zero(cross(a, across)), 0.0);
-    }
-    let axis = cross(a, b);
-    return vec4<f32>(axis, w) / sqrt(dot(axis, axis) + w * w);
-}
-
-fn field_value(node: vec3<u32>) -> f32 {
-    return field_values[node.x + params.field_n.x * (node.y + params.field_n.y * node.z)];
-}
-
-// Gradient (xyz) and trilinear distance (w) of the head's field.
-fn field_sample(p: vec3<f32>) -> vec4<f32> {
-    let in_cells = (p - params.field_min) / params.field_cell;
-    let inside = clamp(in_cells, vec3<f32>(0.0), vec3<f32>(params.field_n - 1u));
-    let corner = min(vec3<u32>(inside), params.field_n - 2u);
-    let t = inside - vec3<f32>(corner);
-    let outside = length(in_cells - inside) * params.field_cell;
-    let c0 = field_value(corner);
-    let c1 = field_value(corner + vec3<u32>(1u, 0u, 0u));
-    let c2 = field_value(corner + vec3<u32>(0u, 1u, 0u));
-    let c3 = field_value(corner + vec3<u32>(1u, 1u, 0u));
-    let c4 = field_value(corner + vec3<u32>(0u, 0u, 1u));
-    let c5 = field_value(corner + vec3<u32>(1u, 0u, 1u));
-    let c6 = field_value(corner + vec3<u32>(0u, 1u, 1u));
-    let c7 = field_value(corner + vec3<u32>(1u, 1u, 1u));
-    let y0 = mix(mix(c0, c1, t.x), mix(c2, c3, t.x), t.y);
-    let y1 = mix(mix(c4, c5, t.x), mix(c6, c7, t.x), t.y);
-    let dx = mix(mix(c1 - c0, c3 - c2, t.y), mix(c5 - c4, c7 - c6, t.y), t.z);
-    let dy = mix(mix(c2 - c0, c3 - c1, t.x), mix(c6 - c4, c7 - c5, t.x), t.z);
-    let dz = mix(mix(c4 - c0, c5 - c1, t.x), mix(c6 - c2, c7 - c3, t.x), t.y);
-    return vec4<f32>(vec3<f32>(dx, dy, dz) / params.field_cell, mix(y0, y1, t.z) + outside);
-}
-
-// Direction away from the nearest obstacle (xyz, unit or zero) and the distance to it (w).
-fn normal_and_distance(p: vec3<f32>) -> vec4<f32> {
-    var nearest = vec4<f32>(0.0, 1.0, 0.0, NOTHING_NEAR);
-    if params.field_n.x > 0u {
-        let sampled = field_sample(p);
-        nearest = vec4<f32>(normalize_or_zero(sampled.xyz), min(sampled.w, NOTHING_NEAR));
-    }
-    for (var i = 0u; i < params.n_spheres; i++) {
-        let from_centre = p - spheres[i].xyz;
-        let l = length(from_centre);
-        if l - spheres[i].w < nearest.w {
-            var normal = vec3<f32>(0.0, 1.0, 0.0);
-            if l > 1e-9 {
-                normal = from_centre / l;
-            }
-            nearest = vec4<f32>(normal, l - spheres[i].w);
-        }
-    }
-    return nearest;
 }
 
 // Verlet's rule. Pinned vertices go with the head.
@@ -246,7 +125,7 @@ fn integrate(before: Pose, after: Pose) {
             let levelled = own + params.step.rub * (own_below + own_above - 2.0 * own);
             var v = pose_apply(carry, x) - x + params.step.keep * levelled;
             let exposed = from_root / (from_root + SHELTER);
-            v += params.step.take_up * (exposed * params.step.wind_step - v);
+            v += params.step.take_up * (exposed * params.step.step_secs * air_velocity(x) - v);
             let aside = x - pose_apply(before, rest_at(k));
             let swing = sqrt(from_root * from_root + dot(aside, aside));
             let pendulum = -aside * (length(gravity_step) / max(swing, MIN_EDGE));
@@ -346,22 +225,12 @@ fn length_batch(batch: u32) {
     }
 }
 
-// Push vertices out to the margin, or to where they rest if that is nearer.
+// Keep vertices out of the head and the colliders.
 fn collide(before: Pose, after: Pose) {
-    let carry = after_inverse_of(after, before);
     for (var k = N_PINNED; k < params.n_vertices; k++) {
-        let x = x_at(k);
-        let nearest = normal_and_distance(pose_apply_inverse(after, x));
-        let push = min(params.step.margin, rest[base + k].w) - nearest.w;
-        if push > 0.0 {
-            let normal = rotate(after.rotation, nearest.xyz);
-            let pushed = x + push * normal;
-            let slid = pushed - pose_apply(carry, prev_at(k));
-            let along = slid - dot(slid, normal) * normal;
-            let hold_back = min(params.step.friction * push / max(length(along), 1e-9), 1.0);
-            set_x(k, pushed - hold_back * along);
-            set_prev(k, prev_at(k) + dot(slid, normal) * normal);
-        }
+        let contact = contact_collide(x_at(k), prev_at(k), rest[base + k].w, before, after);
+        set_x(k, contact.x);
+        set_prev(k, contact.prev);
     }
 }
 

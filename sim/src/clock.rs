@@ -4,7 +4,7 @@
 //! a frame is carried over, and the picture extrapolates over it, so that neither the frame rate nor its
 //! jitter shows in the movement.
 
-use glam::{Affine3A, Quat, Vec3};
+use crate::pose::Pose;
 
 /// Steps that one frame may take: a quarter of a second at 240 steps a second. Time beyond is dropped, or
 /// a slow frame would make the next one slower.
@@ -13,59 +13,6 @@ pub const MAX_STEPS_PER_FRAME: usize = 64;
 const TELEPORT_SHIFT: f32 = 30.0;
 /// Likewise, radians. The fastest preset turns 27 degrees in a frame of a tenth of a second.
 const TELEPORT_TURN: f32 = 1.1;
-
-/// A rotation and a translation, world from head.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pose {
-    pub rotation: Quat,
-    pub translation: Vec3,
-}
-
-impl Pose {
-    pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
-
-    /// The rigid part of a transform; the identity where it is not finite.
-    pub fn new(world_from_head: &Affine3A) -> Self {
-        let (_, rotation, translation) = world_from_head.to_scale_rotation_translation();
-        let pose = Self { rotation: rotation.normalize(), translation };
-        // The exact identity keeps a strand at rest bit-equal to its rest shape.
-        if pose.rotation.is_finite() && translation.is_finite() { pose } else { Self::IDENTITY }
-    }
-
-    pub fn apply(&self, p: Vec3) -> Vec3 {
-        rotate(self.rotation, p) + self.translation
-    }
-
-    pub fn apply_inverse(&self, p: Vec3) -> Vec3 {
-        rotate(self.rotation.conjugate(), p - self.translation)
-    }
-
-    /// First the inverse of `from`, then this.
-    pub fn after_inverse_of(&self, from: &Self) -> Self {
-        let rotation = (self.rotation * from.rotation.conjugate()).normalize();
-        Self { rotation, translation: self.translation - rotate(rotation, from.translation) }
-    }
-
-    fn lerp(&self, to: &Self, t: f32) -> Self {
-        if self == to {
-            return *self;
-        }
-        let rotation = self.rotation.slerp(to.rotation, t).normalize();
-        Self { rotation, translation: self.translation.lerp(to.translation, t) }
-    }
-
-    fn is_far_from(&self, other: &Self) -> bool {
-        self.translation.distance(other.translation) > TELEPORT_SHIFT
-            || self.rotation.angle_between(other.rotation) > TELEPORT_TURN
-    }
-}
-
-/// `v` turned by the unit quaternion `q`, in the order of operations that the WGSL twin has.
-pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
-    let u = Vec3::new(q.x, q.y, q.z);
-    let t = 2.0 * u.cross(v);
-    v + q.w * t + u.cross(t)
-}
 
 /// What one call of `advance` does.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,7 +54,7 @@ impl Clock {
     /// stands still; while it does, hair moves rigidly with the head.
     pub fn advance(&mut self, frame_secs: f32, step_secs: f64, pose: Pose) -> Frame {
         let frame_secs = if frame_secs.is_finite() { f64::from(frame_secs.max(0.0)) } else { 0.0 };
-        if frame_secs == 0.0 || pose.is_far_from(&self.at_frame) {
+        if frame_secs == 0.0 || is_far(&pose, &self.at_frame) {
             let carry = (pose != self.at_step).then(|| pose.after_inverse_of(&self.at_step));
             self.at_step = pose;
             self.at_frame = pose;
@@ -127,7 +74,7 @@ impl Clock {
 
     /// Exactly one step, at the end of which the head is at `pose`.
     pub fn step_once(&mut self, pose: Pose) -> Frame {
-        let carry = pose.is_far_from(&self.at_step).then(|| pose.after_inverse_of(&self.at_step));
+        let carry = is_far(&pose, &self.at_step).then(|| pose.after_inverse_of(&self.at_step));
         let before = if carry.is_some() { pose } else { self.at_step };
         *self = Self::new(pose);
         Frame { carry, poses: vec![before, pose], shown: pose, ahead: 0.0 }
@@ -155,8 +102,15 @@ impl Clock {
     }
 }
 
+/// Farther than heads move in a frame.
+fn is_far(a: &Pose, b: &Pose) -> bool {
+    a.translation.distance(b.translation) > TELEPORT_SHIFT || a.rotation.angle_between(b.rotation) > TELEPORT_TURN
+}
+
 #[cfg(test)]
 mod tests {
+    use glam::{Quat, Vec3};
+
     use super::*;
 
     fn turned(yaw: f32) -> Pose {

@@ -6,9 +6,12 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::simulation::SimulationSettings;
 use rayon::prelude::*;
 
-use crate::clock::{Clock, Frame, Pose};
+use crate::air::Air;
+use crate::clock::{Clock, Frame};
+use crate::contact::Obstacles;
 use crate::measure::{Measure, measure};
-use crate::rest::{Obstacles, Rest};
+use crate::pose::Pose;
+use crate::rest::Rest;
 use crate::strand::{StepParams, Strand, step_strand};
 
 struct Layer {
@@ -34,7 +37,7 @@ pub struct CpuSolver {
 impl CpuSolver {
     /// At rest at the identity pose.
     pub fn new(guides: &[&GuideSet], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
-        let obstacles = Obstacles { field, spheres: &settings.spheres };
+        let obstacles = Obstacles::new(field, settings);
         let layers = guides
             .iter()
             .map(|&guides| {
@@ -64,7 +67,7 @@ impl CpuSolver {
     /// The movement goes on with other settings.
     pub fn set_settings(&mut self, settings: &SimulationSettings) {
         if self.settings.spheres != settings.spheres {
-            let obstacles = Obstacles { field: self.field.as_ref(), spheres: &settings.spheres };
+            let obstacles = Obstacles::new(self.field.as_ref(), settings);
             for layer in &mut self.layers {
                 layer.rest = Rest::new(&layer.guides, obstacles);
             }
@@ -118,7 +121,7 @@ impl CpuSolver {
 
     /// All layers at the last step.
     pub fn measure(&self) -> Measure {
-        let obstacles = Obstacles { field: self.field.as_ref(), spheres: &self.settings.spheres };
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
         let pose = self.clock.pose_at_step();
         let of_layer =
             |layer: &Layer| measure(&layer.rest, obstacles, pose, &layer.x, &layer.begun, self.params.step_secs);
@@ -126,8 +129,9 @@ impl CpuSolver {
     }
 
     fn run(&mut self, frame: &Frame) {
-        let obstacles = Obstacles { field: self.field.as_ref(), spheres: &self.settings.spheres };
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
         let params = self.params;
+        let air = Air::new(&self.settings);
         for layer in &mut self.layers {
             let n = layer.rest.n_vertices as usize;
             if n < 2 {
@@ -138,7 +142,7 @@ impl CpuSolver {
             let seen = layer.begun.par_chunks_exact_mut(n).zip(layer.shown.par_chunks_exact_mut(n));
             rest.zip(state).zip(seen).for_each(|((rest, (x, prev)), (begun, shown))| {
                 let mut strand = Strand { rest, x, prev };
-                run_strand(&mut strand, &params, obstacles, frame, begun, shown);
+                run_strand(&mut strand, &params, air, obstacles, frame, begun, shown);
             });
         }
     }
@@ -148,6 +152,7 @@ impl CpuSolver {
 fn run_strand(
     s: &mut Strand<'_>,
     params: &StepParams,
+    air: Air,
     obstacles: Obstacles<'_>,
     frame: &Frame,
     begun: &mut [Vec4],
@@ -162,7 +167,7 @@ fn run_strand(
     }
     for poses in frame.poses.windows(2) {
         begun.copy_from_slice(s.x);
-        step_strand(s, params, obstacles, poses[0], poses[1]);
+        step_strand(s, params, air, obstacles, poses[0], poses[1]);
     }
     // The picture is up to a step ahead of the last step: go on at the present velocity, roots with the head.
     for k in 0..s.x.len() {

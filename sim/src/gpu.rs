@@ -10,11 +10,14 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
 use lorelei_core::simulation::SimulationSettings;
-use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, ShaderError, ShaderLibrary};
+use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary};
 
-use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME, Pose};
+use crate::air::Air;
+use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
+use crate::contact::Obstacles;
 use crate::measure::{Measure, measure};
-use crate::rest::{Obstacles, Rest};
+use crate::pose::Pose;
+use crate::rest::Rest;
 use crate::strand::StepParams;
 
 /// Layout of `Pose` in WGSL.
@@ -36,10 +39,6 @@ impl From<Pose> for GpuPose {
 #[repr(C)]
 struct Params {
     step: StepParams,
-    field_min: [f32; 3],
-    field_cell: f32,
-    field_n: [u32; 3],
-    n_spheres: u32,
     n_guides: u32,
     n_vertices: u32,
     n_steps: u32,
@@ -64,6 +63,7 @@ struct Layer {
 /// The twin of [`crate::CpuSolver`].
 pub struct GpuSolver {
     gpu: Gpu,
+    library: ShaderLibrary,
     kernel: Kernel,
     layers: Vec<Layer>,
     field: Option<DistanceField>,
@@ -84,8 +84,8 @@ impl GpuSolver {
         field: Option<&DistanceField>,
         settings: &SimulationSettings,
     ) -> Result<Self, ShaderError> {
-        let kernel = library.kernel(gpu, "sim_strand", "advance", &[], &[])?;
-        let obstacles = Obstacles { field, spheres: &settings.spheres };
+        let kernel = kernel_for(gpu, library, settings)?;
+        let obstacles = Obstacles::new(field, settings);
         let layers = guides
             .iter()
             .map(|&guides| {
@@ -115,15 +115,19 @@ impl GpuSolver {
             clock: Clock::new(Pose::IDENTITY),
             pose: Pose::IDENTITY,
             gpu: gpu.clone(),
+            library: library.clone(),
         };
         solver.reset();
         Ok(solver)
     }
 
-    /// The movement goes on with other settings.
-    pub fn set_settings(&mut self, settings: &SimulationSettings) {
+    /// The movement goes on with other settings. Fails where a shader that they need does not link.
+    pub fn set_settings(&mut self, settings: &SimulationSettings) -> Result<(), ShaderError> {
+        if self.settings.wind != settings.wind {
+            self.kernel = kernel_for(&self.gpu, &self.library, settings)?;
+        }
         if self.settings.spheres != settings.spheres {
-            let obstacles = Obstacles { field: self.field.as_ref(), spheres: &settings.spheres };
+            let obstacles = Obstacles::new(self.field.as_ref(), settings);
             for layer in &mut self.layers {
                 layer.rest = Rest::new(&layer.guides, obstacles);
                 self.gpu.queue.write_buffer(&layer.rest_buffer, 0, bytemuck::cast_slice(&layer.rest.vertices));
@@ -132,6 +136,7 @@ impl GpuSolver {
         }
         self.settings = settings.clone();
         self.params = StepParams::new(settings);
+        Ok(())
     }
 
     /// Where the head is at the end of the next [`GpuSolver::advance`] or [`GpuSolver::step_once`].
@@ -179,7 +184,7 @@ impl GpuSolver {
 
     /// All layers at the last step that was submitted. Waits for the GPU: for tests and reports.
     pub fn measure(&self) -> Result<Measure, GpuError> {
-        let obstacles = Obstacles { field: self.field.as_ref(), spheres: &self.settings.spheres };
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
         let mut sum = Measure::default();
         for layer in &self.layers {
             let x: Vec<Vec4> = self.gpu.read_buffer(&layer.present)?;
@@ -222,10 +227,6 @@ impl GpuSolver {
         }
         let params = Params {
             step: self.params,
-            field_min: self.field.as_ref().map_or([0.0; 3], |field| field.min.to_array()),
-            field_cell: self.field.as_ref().map_or(1.0, |field| field.cell),
-            field_n: self.field.as_ref().map_or([0; 3], |field| field.n),
-            n_spheres: self.settings.spheres.len() as u32,
             n_guides: layer.rest.n_guides() as u32,
             n_vertices: layer.rest.n_vertices,
             n_steps: frame.n_steps() as u32,
@@ -236,11 +237,18 @@ impl GpuSolver {
             shown: frame.shown.into(),
             poses,
         };
-        let params = self.gpu.buffer_of("sim.params", &[params], wgpu::BufferUsages::UNIFORM);
-        self.kernel.bind(
+        let uniform = wgpu::BufferUsages::UNIFORM;
+        let params = self.gpu.buffer_of("sim.params", &[params], uniform);
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
+        let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], uniform);
+        let air = self.gpu.buffer_of("sim.air", &[Air::new(&self.settings).params()], uniform);
+        // Still air has no parameters.
+        self.kernel.bind_used(
             &self.gpu,
             &[
                 ("params", params.as_entire_binding()),
+                ("contact", contact.as_entire_binding()),
+                ("air", air.as_entire_binding()),
                 ("rest", layer.rest_buffer.as_entire_binding()),
                 ("present", layer.present.as_entire_binding()),
                 ("before_that", layer.before_that.as_entire_binding()),
@@ -251,4 +259,8 @@ impl GpuSolver {
             ],
         )
     }
+}
+
+fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings) -> Result<Kernel, ShaderError> {
+    library.kernel(gpu, "sim_strand", "advance", &[], &[Link::Slot("sim_air", Air::new(settings).module())])
 }

@@ -2,16 +2,25 @@
 //!
 //! Guides are Verlet chains with their first two vertices fixed to the head. [`strand`] is the law of one
 //! strand over one step, and `sim_strand.wgsl` its twin with the same names in the same order. [`clock`] cuts
-//! frames into steps of one length, [`measure`] says how well the laws are kept.
+//! frames into steps of one length, [`contact`] keeps hair out of head and colliders, [`air`] is the wind, and [`measure`]
+//! says how well the laws are kept.
 
+pub mod air;
 pub mod bench;
 pub mod clock;
+pub mod contact;
 pub mod cpu;
 pub mod gpu;
 pub mod measure;
+pub mod pose;
 pub mod rest;
 pub mod strand;
 
 pub use cpu::CpuSolver;
 pub use gpu::GpuSolver;
 pub use measure::{Measure, measure};
+
+/// A number from a file made harmless: what is not finite becomes the default, the rest is clamped.
+pub(crate) fn bounded(value: f32, default: f32, min: f32, max: f32) -> f32 {
+    if value.is_finite() { value.clamp(min, max) } else { default }
+}

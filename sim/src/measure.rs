@@ -2,8 +2,9 @@
 
 use glam::{Vec4, Vec4Swizzles};
 
-use crate::clock::Pose;
-use crate::rest::{Obstacles, Rest};
+use crate::contact::Obstacles;
+use crate::pose::Pose;
+use crate::rest::Rest;
 use crate::strand::N_PINNED;
 
 /// One layer, or several taken together with [`Measure::and`].

@@ -28,11 +28,13 @@
 //! themselves (after Iben et al. 2013, "Artistic simulation of curly hair"): round and round a coil the turns
 //! of the edges add up to a twist that feeds on itself (measured: without, shaken hair never rests).
 
-use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
+use glam::{Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
 
-use crate::clock::{Pose, rotate};
-use crate::rest::Obstacles;
+use crate::air::Air;
+use crate::bounded;
+use crate::contact::Obstacles;
+use crate::pose::{Pose, normalize_or_zero, rotate, shortest_turn};
 
 /// Vertices at the root that follow the head: the root, and the next one for the growing direction.
 pub const N_PINNED: usize = 2;
@@ -61,8 +63,6 @@ pub struct StepParams {
     pub gravity_step: [f32; 3],
     /// Share of the velocity relative to the head that a step keeps.
     pub keep: f32,
-    /// Displacement of the air in a step, cm.
-    pub wind_step: [f32; 3],
     /// Share of the air's velocity that a step takes up.
     pub take_up: f32,
     /// Bending stiffness times the step squared, over the iterations, cm^4.
@@ -72,47 +72,34 @@ pub struct StepParams {
     /// cm.
     pub hold_length: f32,
     /// cm.
-    pub margin: f32,
-    pub friction: f32,
-    /// cm.
     pub max_displacement: f32,
     pub n_iterations: u32,
     pub step_secs: f32,
     /// Share of the difference to each neighbour's velocity that a step takes away.
     pub rub: f32,
-    pub pad: [f32; 3],
 }
 
 impl StepParams {
     /// Settings from a file can be anything: what is not finite becomes the default, the rest is bounded.
     pub fn new(settings: &SimulationSettings) -> Self {
         let default = SimulationSettings::default();
-        let bounded = |value: f32, default: f32, min: f32, max: f32| {
-            if value.is_finite() { value.clamp(min, max) } else { default }
-        };
         let dt = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
         let n_iterations = settings.n_iterations.clamp(1, 64);
-        let wind = settings.wind();
-        let wind = if wind.is_finite() { wind.clamp_length_max(1e4) } else { Vec3::ZERO };
         let gravity = bounded(settings.gravity, default.gravity, -1e4, 1e4);
         let bend_length = bounded(settings.bend_length, default.bend_length, 0.0, 100.0);
         let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
         Self {
             gravity_step: [0.0, -gravity * dt * dt, 0.0],
             keep: (-bounded(settings.damping, default.damping, 0.0, 1e3) * dt).exp(),
-            wind_step: (wind * dt).to_array(),
             take_up: 1.0 - (-bounded(settings.drag, default.drag, 0.0, 1e3) * dt).exp(),
             // A lock of length l under its own weight bends by about 1 where l^3 g = B: B = g l^3.
             bend: STANDARD_GRAVITY * bend_length.powi(3) * dt * dt / n_iterations as f32,
             hold: hold * hold * dt * dt / n_iterations as f32,
             hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
-            margin: bounded(settings.collision_margin, default.collision_margin, 0.0, 10.0),
-            friction: bounded(settings.friction, default.friction, 0.0, 100.0),
             max_displacement: MAX_SPEED * dt,
             n_iterations,
             step_secs: dt,
             rub: (RUB * dt).min(0.25),
-            pad: [0.0; 3],
         }
     }
 }
@@ -129,22 +116,22 @@ pub struct Strand<'a> {
 }
 
 /// One step: the head goes from `before` to `after`.
-pub fn step_strand(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
-    integrate(s, p, before, after);
+pub fn step_strand(s: &mut Strand<'_>, p: &StepParams, air: Air, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
+    integrate(s, p, air, before, after);
     solve_lengths(s);
     for _ in 0..p.n_iterations {
         bend(s, p, after);
         hold(s, p, after);
         length_batch(s, 0);
         length_batch(s, 1);
-        collide(s, p, obstacles, before, after);
+        collide(s, obstacles, before, after);
     }
     close_lengths(s, after);
     recover(s, after);
 }
 
 /// Verlet's rule. Pinned vertices go with the head.
-fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
+fn integrate(s: &mut Strand<'_>, p: &StepParams, air: Air, before: Pose, after: Pose) {
     let carry = after.after_inverse_of(&before);
     let gravity_step = Vec3::from_array(p.gravity_step);
     // What gravity has become for a head that is not upright: zero while it is.
@@ -172,7 +159,7 @@ fn integrate(s: &mut Strand<'_>, p: &StepParams, before: Pose, after: Pose) {
             let mut v = with_head(x) + p.keep * levelled;
             // Near the scalp the air stands still between the hairs.
             let exposed = from_root / (from_root + SHELTER);
-            v += p.take_up * (exposed * Vec3::from_array(p.wind_step) - v);
+            v += p.take_up * (exposed * p.step_secs * air.velocity(x) - v);
             let aside = x - before.apply(s.rest[k].xyz());
             let swing = (from_root * from_root + aside.length_squared()).sqrt();
             let pendulum = -aside * (gravity_step.length() / swing.max(MIN_EDGE));
@@ -271,24 +258,12 @@ fn length_batch(s: &mut Strand<'_>, batch: usize) {
     }
 }
 
-/// Push vertices out to the margin, or to where they rest if that is nearer. A contact takes the velocity
-/// along its normal and, by Coulomb's law, some of that along the surface; it never adds any.
-fn collide(s: &mut Strand<'_>, p: &StepParams, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
-    let carry = after.after_inverse_of(&before);
+/// Keep vertices out of the head and the colliders.
+fn collide(s: &mut Strand<'_>, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
     for k in N_PINNED..s.x.len() {
-        let x = s.x[k].xyz();
-        let (distance, normal_in_head) = obstacles.distance_and_normal(after.apply_inverse(x));
-        let push = p.margin.min(s.rest[k].w) - distance;
-        if push > 0.0 {
-            let normal = rotate(after.rotation, normal_in_head);
-            let pushed = x + push * normal;
-            let slid = pushed - carry.apply(s.prev[k].xyz());
-            let along = slid - slid.dot(normal) * normal;
-            let hold_back = (p.friction * push / along.length().max(1e-9)).min(1.0);
-            set(&mut s.x[k], pushed - hold_back * along);
-            let prev = s.prev[k].xyz() + slid.dot(normal) * normal;
-            set(&mut s.prev[k], prev);
-        }
+        let (x, prev) = obstacles.collide(s.x[k].xyz(), s.prev[k].xyz(), s.rest[k].w, before, after);
+        set(&mut s.x[k], x);
+        set(&mut s.prev[k], prev);
     }
 }
 
@@ -335,29 +310,6 @@ fn weight(k: usize) -> f32 {
 
 fn set(vertex: &mut Vec4, p: Vec3) {
     *vertex = p.extend(vertex.w);
-}
-
-/// The smallest rotation that takes the direction of `from` to that of `to`.
-pub fn shortest_turn(from: Vec3, to: Vec3) -> Quat {
-    let scale = (from.length_squared() * to.length_squared()).sqrt();
-    if scale < 1e-12 {
-        return Quat::IDENTITY;
-    }
-    let w = scale + from.dot(to);
-    if w < 1e-5 * scale {
-        // Half a turn about any axis across.
-        let across = if from.x.abs() < from.y.abs().max(from.z.abs()) { Vec3::X } else { Vec3::Y };
-        let axis = normalize_or_zero(from.cross(across));
-        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
-    }
-    let axis = from.cross(to);
-    let length = (axis.length_squared() + w * w).sqrt();
-    Quat::from_xyzw(axis.x / length, axis.y / length, axis.z / length, w / length)
-}
-
-fn normalize_or_zero(v: Vec3) -> Vec3 {
-    let length = v.length();
-    if length > 1e-9 { v / length } else { Vec3::ZERO }
 }
 
 fn clamp_length(v: Vec3, max: f32) -> Vec3 {

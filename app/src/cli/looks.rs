@@ -25,7 +25,7 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
     let mut simulation = SimulationSettings::default();
     let mut slots = look.slots();
     slots.push(material.slot());
-    slots.push(simulation.slot());
+    slots.extend(simulation.slots());
     if arguments.json {
         let mut all: Vec<Value> = slots.iter().map(slot_json).collect();
         all.extend(layers_json());
@@ -170,7 +170,8 @@ mod tests {
         let (mut look, mut material, mut simulation) =
             (Look::default(), HairMaterial::default(), SimulationSettings::default());
         let mut all: Vec<Value> = look.slots().iter().map(slot_json).collect();
-        all.extend([slot_json(&material.slot()), slot_json(&simulation.slot())]);
+        all.push(slot_json(&material.slot()));
+        all.extend(simulation.slots().iter().map(slot_json));
         all.extend(layers_json());
         let mut keys = std::collections::HashSet::new();
         for slot in &all {

@@ -50,7 +50,7 @@ fn apply_one(groom: &mut Groom, key: &str, value: &str) -> Result<(), SetError> 
     }
     let Groom { look, simulation, .. } = groom;
     let mut slots: Vec<Slot<'_>> = look.slots();
-    slots.push(simulation.slot());
+    slots.extend(simulation.slots());
     set(&mut slots, key, value)
 }
 

@@ -175,7 +175,7 @@ impl Stage {
         if self.settings != groom.simulation {
             self.settings = groom.simulation.clone();
             if let Some(moving) = &mut self.moving {
-                moving.solver.set_settings(&self.settings);
+                moving.solver.set_settings(&self.settings)?;
             }
         }
         let bindings = self.bindings();

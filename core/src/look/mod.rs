@@ -21,8 +21,8 @@ pub use scattering::{
     Scattering, Surroundings,
 };
 pub use shadowing::{BeyondLast, LayerSpacing, ShadowParams, Shadowing};
-pub(crate) use slot::choices;
 pub use slot::{AnyChoice, Choice, ChoiceInfo, Param, ParamValue, SetError, Slot, Switch, set};
+pub(crate) use slot::{choices, integer, number};
 pub use view::{FalseColour, ViewParams};
 
 /// Every slot's choice, with the parameters of all its choices, so that switching back loses nothing.

@@ -146,7 +146,7 @@ impl Slot<'_> {
     }
 }
 
-pub(super) fn number<'a>(
+pub(crate) fn number<'a>(
     key: &str,
     label: &'static str,
     unit: &'static str,
@@ -158,7 +158,7 @@ pub(super) fn number<'a>(
     Param { key: key.to_owned(), label, unit, min, max, help, of, value: ParamValue::F32(value) }
 }
 
-pub(super) fn integer<'a>(
+pub(crate) fn integer<'a>(
     key: &str,
     label: &'static str,
     unit: &'static str,

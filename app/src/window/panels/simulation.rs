@@ -33,7 +33,10 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
-    let change = widgets::slot(ui, &mut settings.slot(), &mut default.slot(), &widgets::Notes::default());
+    let mut change = None;
+    for (mut slot, mut default) in settings.slots().into_iter().zip(default.slots()) {
+        change = change.or(widgets::slot(ui, &mut slot, &mut default, &widgets::Notes::default()));
+    }
     if let Some(change) = change {
         desk.document.edit(&change.label, Edit::SetSimulation(Box::new(settings)), merge_of(change.drag));
     }

@@ -1,0 +1,239 @@
+//! What an artist sets about movement. The solver's state is derived from the groom and never saved.
+//!
+//! Every number is a physical one, so that the same groom moves the same at other vertex counts, step
+//! rates and iteration counts. Shares "0-1 of something, per iteration" were rejected for that reason.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use crate::camera::direction_from_deg;
+use crate::look::{Choice, ChoiceInfo, Slot, choices, integer, number};
+
+choices! {
+    /// What moves the strands.
+    Solver {
+        Guides = "guides", "Guide chains", "Verlet chains for the guides; strands follow by interpolation";
+    }
+}
+
+choices! {
+    /// The air that hair moves in.
+    Wind {
+        Uniform = "uniform", "Steady wind", "The same velocity everywhere: no grid, no cost";
+        Off = "off", "Still air", "Hair is damped by air that does not move";
+    }
+}
+
+/// Parameters of the strand solver, in physical units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SimulationSettings {
+    pub solver: Solver,
+    pub wind: Wind,
+    /// Solver steps a second; independent of the frame rate.
+    pub steps_per_second: f32,
+    /// Constraint iterations a step.
+    pub n_iterations: u32,
+    /// cm/s2, downwards.
+    pub gravity: f32,
+    /// How quickly strands lose speed relative to the head by rubbing on each other, 1/s.
+    pub damping: f32,
+    /// Bending stiffness as a length in centimetres: about how far a lock reaches out sideways before its
+    /// own weight bends it down. 5 is a single human hair.
+    pub bend_length: f32,
+    /// How fast a displaced root springs back to the style, Hz: what spray, clips and neighbours do.
+    pub hold: f32,
+    /// Distance along the strand over which the hold falls to 1/e, centimetres.
+    pub hold_length: f32,
+    /// Steady wind: where it blows to, degrees, as a camera azimuth; and elevation.
+    pub wind_azimuth_deg: f32,
+    pub wind_elevation_deg: f32,
+    /// cm/s. 0 is calm, 300 a breeze, 1500 a storm.
+    pub wind_speed: f32,
+    /// How quickly a strand takes up the speed of the air around it, 1/s.
+    pub drag: f32,
+    /// Distance kept between hair and head, centimetres.
+    pub collision_margin: f32,
+    /// Coulomb coefficient against the head.
+    pub friction: f32,
+    /// Spheres in head space that hair also keeps out of: centre x, y, z and radius in centimetres.
+    pub spheres: Vec<[f32; 4]>,
+}
+
+impl Default for SimulationSettings {
+    fn default() -> Self {
+        Self {
+            solver: Solver::Guides,
+            wind: Wind::Uniform,
+            steps_per_second: 240.0,
+            n_iterations: 1,
+            gravity: 981.0,
+            damping: 1.5,
+            bend_length: 1.5,
+            hold: 3.0,
+            hold_length: 3.0,
+            wind_azimuth_deg: 90.0,
+            wind_elevation_deg: 0.0,
+            wind_speed: 0.0,
+            drag: 1.5,
+            collision_margin: 0.15,
+            friction: 0.2,
+            spheres: Vec::new(),
+        }
+    }
+}
+
+impl SimulationSettings {
+    /// Velocity of the steady wind, cm/s.
+    pub fn wind_velocity(&self) -> Vec3 {
+        self.wind_speed * direction_from_deg(self.wind_azimuth_deg, self.wind_elevation_deg)
+    }
+
+    /// All settings as slots, for the panel, `--set` and `lorelei looks`.
+    pub fn slots(&mut self) -> Vec<Slot<'_>> {
+        const BLOWS: &[&str] = &["uniform"];
+        let solver = vec![
+            number("sim.gravity", "Gravity", "cm/s\u{b2}", (0.0, 4000.0), &mut self.gravity, &[], "981 on Earth"),
+            number(
+                "sim.damping",
+                "Damping",
+                "1/s",
+                (0.0, 20.0),
+                &mut self.damping,
+                &[],
+                "How quickly hair comes to rest on the head",
+            ),
+            number(
+                "sim.bend_length",
+                "Stiffness",
+                "cm",
+                (0.0, 30.0),
+                &mut self.bend_length,
+                &[],
+                "How far a lock reaches out before its weight bends it: 1 soft, 5 wiry, 20 bristle",
+            ),
+            number(
+                "sim.hold",
+                "Hold",
+                "Hz",
+                (0.0, 30.0),
+                &mut self.hold,
+                &[],
+                "How fast the roots spring back to the style: 0 loose, 3 natural, 15 sprayed",
+            ),
+            number(
+                "sim.hold_length",
+                "Hold reaches",
+                "cm",
+                (0.1, 60.0),
+                &mut self.hold_length,
+                &[],
+                "Distance from the root over which the hold fades",
+            ),
+            number(
+                "sim.margin",
+                "Distance to the head",
+                "cm",
+                (0.0, 2.0),
+                &mut self.collision_margin,
+                &[],
+                "Kept between hair and head",
+            ),
+            number("sim.friction", "Friction", "", (0.0, 2.0), &mut self.friction, &[], "Against the head"),
+            number(
+                "sim.steps",
+                "Steps",
+                "1/s",
+                (30.0, 960.0),
+                &mut self.steps_per_second,
+                &[],
+                "Solver steps a second, whatever the frame rate",
+            ),
+            integer(
+                "sim.iterations",
+                "Iterations",
+                "",
+                (1, 32),
+                &mut self.n_iterations,
+                &[],
+                "Constraint iterations a step",
+            ),
+        ];
+        let wind = vec![
+            number(
+                "wind.speed",
+                "Speed",
+                "cm/s",
+                (0.0, 3000.0),
+                &mut self.wind_speed,
+                BLOWS,
+                "0 calm, 300 a breeze, 1500 a storm",
+            ),
+            number(
+                "wind.azimuth",
+                "Azimuth",
+                "deg",
+                (-360.0, 360.0),
+                &mut self.wind_azimuth_deg,
+                BLOWS,
+                "Where the wind blows to: 0 to the front, 90 to the model's left",
+            ),
+            number(
+                "wind.elevation",
+                "Elevation",
+                "deg",
+                (-90.0, 90.0),
+                &mut self.wind_elevation_deg,
+                BLOWS,
+                "Above the horizon",
+            ),
+            number(
+                "wind.drag",
+                "Drag",
+                "1/s",
+                (0.0, 20.0),
+                &mut self.drag,
+                &[],
+                "How quickly hair takes up the speed of the air",
+            ),
+        ];
+        vec![
+            Slot {
+                key: "sim",
+                label: "Simulation",
+                help: "How the hair moves",
+                choice: &mut self.solver,
+                params: solver,
+            },
+            Slot {
+                key: "wind",
+                label: "Wind",
+                help: "The air that the hair moves in",
+                choice: &mut self.wind,
+                params: wind,
+            },
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_is_in_the_range_of_its_parameter() {
+        let mut settings = SimulationSettings::default();
+        let mut keys = std::collections::HashSet::new();
+        for mut param in settings.slots().into_iter().flat_map(|slot| slot.params) {
+            assert!(keys.insert(param.key.clone()), "{}", param.key);
+            let text = param.value.to_text();
+            param.set_from_text(&text).unwrap();
+        }
+    }
+
+    #[test]
+    fn wind_blows_where_its_azimuth_points() {
+        let settings = SimulationSettings { wind_speed: 200.0, wind_azimuth_deg: 90.0, ..Default::default() };
+        assert!(settings.wind_velocity().distance(Vec3::X * 200.0) < 1e-3);
+    }
+}

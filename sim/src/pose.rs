@@ -1,0 +1,76 @@
+//! Where something rigid is, and the rotations that solvers calculate with. Twin of `sim_pose.wgsl`: same names, same
+//! order of operations.
+
+use glam::{Affine3A, Quat, Vec3};
+
+/// A rotation and a translation, world from head.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pose {
+    pub rotation: Quat,
+    pub translation: Vec3,
+}
+
+impl Pose {
+    pub const IDENTITY: Self = Self { rotation: Quat::IDENTITY, translation: Vec3::ZERO };
+
+    /// The rigid part of a transform; the identity where it is not finite.
+    pub fn new(world_from_head: &Affine3A) -> Self {
+        let (_, rotation, translation) = world_from_head.to_scale_rotation_translation();
+        let pose = Self { rotation: rotation.normalize(), translation };
+        // The exact identity keeps a strand at rest bit-equal to its rest shape.
+        if pose.rotation.is_finite() && translation.is_finite() { pose } else { Self::IDENTITY }
+    }
+
+    pub fn apply(&self, p: Vec3) -> Vec3 {
+        rotate(self.rotation, p) + self.translation
+    }
+
+    pub fn apply_inverse(&self, p: Vec3) -> Vec3 {
+        rotate(self.rotation.conjugate(), p - self.translation)
+    }
+
+    /// First the inverse of `from`, then this.
+    pub fn after_inverse_of(&self, from: &Self) -> Self {
+        let rotation = (self.rotation * from.rotation.conjugate()).normalize();
+        Self { rotation, translation: self.translation - rotate(rotation, from.translation) }
+    }
+
+    pub(crate) fn lerp(&self, to: &Self, t: f32) -> Self {
+        if self == to {
+            return *self;
+        }
+        let rotation = self.rotation.slerp(to.rotation, t).normalize();
+        Self { rotation, translation: self.translation.lerp(to.translation, t) }
+    }
+}
+
+/// `v` turned by the unit quaternion `q`, in the order of operations that the WGSL twin has.
+pub fn rotate(q: Quat, v: Vec3) -> Vec3 {
+    let u = Vec3::new(q.x, q.y, q.z);
+    let t = 2.0 * u.cross(v);
+    v + q.w * t + u.cross(t)
+}
+
+/// The smallest rotation that takes the direction of `from` to that of `to`.
+pub fn shortest_turn(from: Vec3, to: Vec3) -> Quat {
+    let scale = (from.length_squared() * to.length_squared()).sqrt();
+    if scale < 1e-12 {
+        return Quat::IDENTITY;
+    }
+    let w = scale + from.dot(to);
+    if w < 1e-5 * scale {
+        // Half a turn about any axis across.
+        let across = if from.x.abs() < from.y.abs().max(from.z.abs()) { Vec3::X } else { Vec3::Y };
+        let axis = normalize_or_zero(from.cross(across));
+        return Quat::from_xyzw(axis.x, axis.y, axis.z, 0.0);
+    }
+    let axis = from.cross(to);
+    let length = (axis.length_squared() + w * w).sqrt();
+    Quat::from_xyzw(axis.x / length, axis.y / length, axis.z / length, w / length)
+}
+
+/// The direction of `v`; zero where it has none.
+pub fn normalize_or_zero(v: Vec3) -> Vec3 {
+    let length = v.length();
+    if length > 1e-9 { v / length } else { Vec3::ZERO }
+}
