@@ -3,6 +3,7 @@
 mod cli;
 mod lettering;
 mod lod_strip;
+mod movement;
 mod open;
 mod script;
 mod sheet;

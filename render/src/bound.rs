@@ -45,6 +45,16 @@ fn another_number() -> u64 {
 }
 
 impl Bound {
+    /// Distances from the head, where there is one.
+    pub fn field(&self) -> Option<&Arc<DistanceField>> {
+        self.field.as_ref()
+    }
+
+    /// What each layer's strands hang on; its guides are what a solver moves.
+    pub fn bindings(&self) -> impl Iterator<Item = &Arc<LayerBinding>> {
+        self.layers.iter().map(|layer| &layer.binding)
+    }
+
     /// Bind a groom; what is bound alike in `self` is kept. `None` where it was cancelled.
     pub fn update(&self, groom: &Groom, watch: Watch<'_>) -> Option<Self> {
         self.update_with(groom, watch, true)

@@ -67,6 +67,23 @@ impl Clock {
         self.steps(frame_secs, step_secs, pose)
     }
 
+    pub(crate) const N_NUMBERS: usize = 1 + 2 * Pose::N_NUMBERS;
+
+    pub(crate) fn to_numbers(&self) -> [f64; Self::N_NUMBERS] {
+        let mut numbers = [self.left_secs; Self::N_NUMBERS];
+        numbers[1..=Pose::N_NUMBERS].copy_from_slice(&self.at_step.to_numbers());
+        numbers[1 + Pose::N_NUMBERS..].copy_from_slice(&self.at_frame.to_numbers());
+        numbers
+    }
+
+    pub(crate) fn of_numbers(numbers: &[f64]) -> Option<Self> {
+        let (&left_secs, poses) = numbers.split_first()?;
+        let (at_step, at_frame) = poses.split_at_checked(Pose::N_NUMBERS)?;
+        let is_time = left_secs.is_finite() && left_secs >= 0.0;
+        is_time.then_some(())?;
+        Some(Self { left_secs, at_step: Pose::of_numbers(at_step)?, at_frame: Pose::of_numbers(at_frame)? })
+    }
+
     /// Where the head was at the last step.
     pub fn pose_at_step(&self) -> Pose {
         self.at_step

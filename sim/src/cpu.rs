@@ -12,6 +12,7 @@ use crate::contact::Obstacles;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
+use crate::state::SolverState;
 use crate::strand::{StepParams, Strand, step_strand};
 
 struct Layer {
@@ -117,6 +118,26 @@ impl CpuSolver {
         layer.prev = prev.iter().map(|p| p.extend(0.0)).collect();
         layer.begun = layer.prev.clone();
         layer.shown = layer.x.clone();
+    }
+
+    /// Everything that the solver goes on from.
+    pub fn read_state(&self) -> SolverState {
+        let arrays = self.layers.iter().flat_map(|layer| [&layer.x, &layer.prev, &layer.begun, &layer.shown]);
+        SolverState { clock: self.clock.clone(), pose: self.pose, arrays: arrays.cloned().collect() }
+    }
+
+    /// Go on from a state of the same guides; false, and nothing changes, where it is of others.
+    pub fn write_state(&mut self, state: &SolverState) -> bool {
+        if !state.fits(self.layers.iter().flat_map(|layer| [layer.rest.vertices.len(); 4])) {
+            return false;
+        }
+        (self.clock, self.pose) = (state.clock.clone(), state.pose);
+        let arrays = self
+            .layers
+            .iter_mut()
+            .flat_map(|layer| [&mut layer.x, &mut layer.prev, &mut layer.begun, &mut layer.shown]);
+        arrays.zip(&state.arrays).for_each(|(array, kept)| array.clone_from(kept));
+        true
     }
 
     /// All layers at the last step.

@@ -18,6 +18,7 @@ use crate::contact::Obstacles;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
+use crate::state::SolverState;
 use crate::strand::StepParams;
 
 /// Layout of `Pose` in WGSL.
@@ -58,6 +59,13 @@ struct Layer {
     before_that: wgpu::Buffer,
     begun: wgpu::Buffer,
     positions: wgpu::Buffer,
+}
+
+impl Layer {
+    /// What goes on from step to step, in the order of the CPU solver's arrays.
+    fn state(&self) -> [&wgpu::Buffer; 4] {
+        [&self.present, &self.before_that, &self.begun, &self.positions]
+    }
 }
 
 /// The twin of [`crate::CpuSolver`].
@@ -162,7 +170,7 @@ impl GpuSolver {
         self.clock = Clock::new(self.pose);
         for layer in &self.layers {
             let x: Vec<Vec4> = layer.rest.vertices.iter().map(|v| self.pose.apply(v.xyz()).extend(0.0)).collect();
-            self.write_state(layer, &x, &x);
+            self.write_layer(layer, &x, &x);
         }
     }
 
@@ -179,7 +187,42 @@ impl GpuSolver {
     /// Set the state: positions now and one step ago, world.
     pub fn set_state(&mut self, layer_idx: usize, x: &[Vec3], prev: &[Vec3]) {
         let extend = |points: &[Vec3]| -> Vec<Vec4> { points.iter().map(|p| p.extend(0.0)).collect() };
-        self.write_state(&self.layers[layer_idx], &extend(x), &extend(prev));
+        self.write_layer(&self.layers[layer_idx], &extend(x), &extend(prev));
+    }
+
+    /// Everything that the solver goes on from, after what was submitted. Waits for the GPU.
+    pub fn read_state(&self) -> Result<SolverState, GpuError> {
+        let read = |layer: &Layer| layer.state().map(|buffer| self.read_vertices(layer, buffer));
+        let arrays = self.layers.iter().flat_map(read).collect::<Result<_, _>>()?;
+        Ok(SolverState { clock: self.clock.clone(), pose: self.pose, arrays })
+    }
+
+    /// Go on from a state of the same guides; false, and nothing changes, where it is of others. Takes effect before
+    /// commands that are submitted later.
+    pub fn write_state(&mut self, state: &SolverState) -> bool {
+        if !state.fits(self.layers.iter().flat_map(|layer| [layer.rest.vertices.len(); 4])) {
+            return false;
+        }
+        (self.clock, self.pose) = (state.clock.clone(), state.pose);
+        for (buffer, array) in self.layers.iter().flat_map(Layer::state).zip(&state.arrays) {
+            if !array.is_empty() {
+                self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(array));
+            }
+        }
+        true
+    }
+
+    /// World positions of a layer's guides as of the commands that were submitted. Waits for the GPU.
+    pub fn read_positions(&self, layer_idx: usize) -> Result<Vec<Vec4>, GpuError> {
+        let layer = &self.layers[layer_idx];
+        self.read_vertices(layer, &layer.positions)
+    }
+
+    /// A buffer without what it has room for beyond the layer's vertices.
+    fn read_vertices(&self, layer: &Layer, buffer: &wgpu::Buffer) -> Result<Vec<Vec4>, GpuError> {
+        let mut vertices: Vec<Vec4> = self.gpu.read_buffer(buffer)?;
+        vertices.truncate(layer.rest.vertices.len());
+        Ok(vertices)
     }
 
     /// All layers at the last step that was submitted. Waits for the GPU: for tests and reports.
@@ -195,7 +238,7 @@ impl GpuSolver {
         Ok(sum)
     }
 
-    fn write_state(&self, layer: &Layer, x: &[Vec4], prev: &[Vec4]) {
+    fn write_layer(&self, layer: &Layer, x: &[Vec4], prev: &[Vec4]) {
         let buffers = [(&layer.present, x), (&layer.before_that, prev), (&layer.begun, prev), (&layer.positions, x)];
         for (buffer, contents) in buffers {
             if !contents.is_empty() {

@@ -14,11 +14,13 @@ pub mod gpu;
 pub mod measure;
 pub mod pose;
 pub mod rest;
+pub mod state;
 pub mod strand;
 
 pub use cpu::CpuSolver;
 pub use gpu::GpuSolver;
 pub use measure::{Measure, measure};
+pub use state::SolverState;
 
 /// A number from a file made harmless: what is not finite becomes the default, the rest is clamped.
 pub(crate) fn bounded(value: f32, default: f32, min: f32, max: f32) -> f32 {

@@ -35,6 +35,24 @@ impl Pose {
         Self { rotation, translation: self.translation - rotate(rotation, from.translation) }
     }
 
+    pub(crate) const N_NUMBERS: usize = 7;
+
+    pub(crate) fn to_numbers(self) -> [f64; Self::N_NUMBERS] {
+        let [x, y, z, w] = self.rotation.to_array().map(f64::from);
+        let [tx, ty, tz] = self.translation.to_array().map(f64::from);
+        [x, y, z, w, tx, ty, tz]
+    }
+
+    /// `None` where they are no pose.
+    pub(crate) fn of_numbers(numbers: &[f64]) -> Option<Self> {
+        let &[x, y, z, w, tx, ty, tz] = numbers else { return None };
+        let pose = Self {
+            rotation: Quat::from_xyzw(x as f32, y as f32, z as f32, w as f32),
+            translation: Vec3::new(tx as f32, ty as f32, tz as f32),
+        };
+        (pose.rotation.is_finite() && pose.translation.is_finite()).then_some(pose)
+    }
+
     pub(crate) fn lerp(&self, to: &Self, t: f32) -> Self {
         if self == to {
             return *self;

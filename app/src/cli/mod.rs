@@ -15,6 +15,7 @@ mod scene;
 pub mod set;
 mod setup;
 mod sheet;
+mod simulate;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -69,6 +70,7 @@ Examples:
   lorelei render --camera side --out side.png          render the default groom
   lorelei render hair.tfx --head head.obj --out a.png  render somebody's hair on somebody's head
   lorelei sheet --slot shadowing --out shadows.png     every choice of one slot in one picture
+  lorelei simulate bob --motion shake --seconds 3 --filmstrip shake.png  hair that moves
   lorelei looks                                        what --set takes
   lorelei convert hair.data hair.usda --up z --unit m  for another program
   lorelei apply a.lorelei --edits e.ron --out b.lorelei  replay edits
@@ -81,6 +83,8 @@ enum Command {
     Render(render::RenderArguments),
     /// Every choice of one slot of the look in one labelled picture, with what each costs.
     Sheet(sheet::SheetArguments),
+    /// Let hair move and say how well it keeps its laws; pictures of it, and a filmstrip.
+    Simulate(simulate::SimulateArguments),
     /// List everything that `--set` takes, with ranges and units.
     Looks(looks::LooksArguments),
     /// Say what is in a file: strands, points, bounds, unit and axis.
@@ -130,6 +134,7 @@ pub fn run() -> ExitCode {
     let result = match arguments.command {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Sheet(arguments)) => sheet::run(&arguments),
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Looks(arguments)) => looks::run(&arguments),
         Some(Command::Info(arguments)) => info::run(&arguments),
         Some(Command::Measure(arguments)) => measure::run(&arguments),

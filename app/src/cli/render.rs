@@ -38,7 +38,7 @@ pub struct RenderArguments {
     /// Size of the picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     size: [u32; 2],
-    /// Let the head move before the picture: none, turn, nod, shake.
+    /// Let the head move before the picture: none, turn, nod, shake, walk, jump, gust.
     #[arg(long, value_name = "NAME", value_parser = parse_motion, requires = "seconds")]
     motion: Option<Motion>,
     /// How long it moves before the picture is taken.
@@ -111,7 +111,7 @@ pub(super) fn parse_view(text: &str) -> Result<View, String> {
     }
 }
 
-fn parse_motion(text: &str) -> Result<Motion, String> {
+pub(super) fn parse_motion(text: &str) -> Result<Motion, String> {
     let found = Motion::ALL.iter().find(|motion| motion.info().name == text);
     let names: Vec<&str> = Motion::ALL.iter().map(|motion| motion.info().name).collect();
     found.copied().ok_or_else(|| format!("use one of {}", names.join(", ")))
@@ -149,7 +149,7 @@ fn versus_of(arguments: &RenderArguments, groom: &Groom) -> Result<Option<(Look,
     Ok(Some((look, comparison)))
 }
 
-fn parse_seconds(text: &str) -> Result<f32, String> {
+pub(super) fn parse_seconds(text: &str) -> Result<f32, String> {
     let seconds = text.parse::<f32>().ok().filter(|seconds| (0.0..=600.0).contains(seconds));
     seconds.ok_or_else(|| "a number of seconds from 0 to 600".to_owned())
 }

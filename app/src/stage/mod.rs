@@ -14,7 +14,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
@@ -30,6 +30,7 @@ use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
 
+use crate::movement::Shot;
 use display::Display;
 use pacer::Detail;
 use shown::Shown;
@@ -82,6 +83,12 @@ struct Moving {
     bindings: Vec<Arc<LayerBinding>>,
 }
 
+/// Guides of a [`Shot`] on the GPU.
+struct ShotBuffers {
+    world_from_head: Affine3A,
+    guides: Vec<wgpu::Buffer>,
+}
+
 /// Shaders of a folder where `LORELEI_SHADERS` names one, for whoever edits them: each frame looks whether a file has
 /// changed. The program's own otherwise.
 pub fn shader_library() -> Result<ShaderLibrary, ShaderError> {
@@ -106,6 +113,8 @@ pub struct Stage {
     n_resets: u64,
     /// Times that guides moved.
     n_moves: u64,
+    /// A frame that was simulated elsewhere, in place of what the stage's own solver says.
+    shot: Option<ShotBuffers>,
     look: Look,
     lights: Vec<Light>,
     shown: Shown,
@@ -143,6 +152,7 @@ impl Stage {
             n_steps: 0,
             n_resets: 0,
             n_moves: 0,
+            shot: None,
             look: Look::default(),
             lights: Vec::new(),
             shown: Shown::default(),
@@ -204,6 +214,17 @@ impl Stage {
         if shown.versus.is_none() {
             self.versus.clear();
         }
+    }
+
+    /// Show a frame that was simulated elsewhere, from the next frame on; `None`: what moves here. Layers that the shot does
+    /// not fit are shown at rest.
+    pub fn set_shot(&mut self, shot: Option<&Shot>) {
+        self.shot = shot.map(|shot| {
+            let buffer =
+                |positions: &Vec<Vec4>| self.gpu.buffer_of("stage.shot", positions, wgpu::BufferUsages::STORAGE);
+            ShotBuffers { world_from_head: shot.world_from_head, guides: shot.positions.iter().map(buffer).collect() }
+        });
+        self.n_moves += 1;
     }
 
     /// Make everything again in the next frame: for measurements.
@@ -286,10 +307,13 @@ impl Stage {
             }
         }
         let solver = self.moving.as_ref().map(|moving| &moving.solver);
-        let guides: Vec<Option<&wgpu::Buffer>> = (0..self.n_layers)
-            .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
-            .collect();
-        let world_from_head = self.world_from_head;
+        let guides: Vec<Option<&wgpu::Buffer>> = match &self.shot {
+            Some(shot) => (0..self.n_layers).map(|layer_idx| self.shot_of_layer(shot, layer_idx)).collect(),
+            None => (0..self.n_layers)
+                .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
+                .collect(),
+        };
+        let world_from_head = self.shot.as_ref().map_or(self.world_from_head, |shot| shot.world_from_head);
         let input = FrameInput {
             camera,
             size,
@@ -328,6 +352,12 @@ impl Stage {
             return Err(StageError::LeftOut { listed, room });
         }
         Ok(())
+    }
+
+    /// A shot's guides of a layer, where there are as many as the layer has.
+    fn shot_of_layer<'s>(&self, shot: &'s ShotBuffers, layer_idx: usize) -> Option<&'s wgpu::Buffer> {
+        let n_vertices = self.renderer.mirror().binding(layer_idx)?.guides.positions.len() as u64;
+        shot.guides.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_vertices).max(16))
     }
 
     /// Put the two pictures of the last frame together in another way, without drawing them again.

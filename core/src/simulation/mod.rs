@@ -89,6 +89,18 @@ impl SimulationSettings {
         self.wind_speed * direction_from_deg(self.wind_azimuth_deg, self.wind_elevation_deg)
     }
 
+    /// Let the air move so everywhere, cm/s. Calm air keeps the direction that was set.
+    pub fn set_wind_velocity(&mut self, wind: Vec3) {
+        if self.wind == Wind::Off {
+            self.wind = Wind::Uniform;
+        }
+        self.wind_speed = wind.length();
+        if let Some(direction) = wind.try_normalize() {
+            self.wind_azimuth_deg = direction.x.atan2(direction.z).to_degrees();
+            self.wind_elevation_deg = direction.y.clamp(-1.0, 1.0).asin().to_degrees();
+        }
+    }
+
     /// All settings as slots, for the panel, `--set` and `lorelei looks`.
     pub fn slots(&mut self) -> Vec<Slot<'_>> {
         const BLOWS: &[&str] = &["uniform"];
@@ -235,5 +247,13 @@ mod tests {
     fn wind_blows_where_its_azimuth_points() {
         let settings = SimulationSettings { wind_speed: 200.0, wind_azimuth_deg: 90.0, ..Default::default() };
         assert!(settings.wind_velocity().distance(Vec3::X * 200.0) < 1e-3);
+        for wind in [Vec3::new(-30.0, 40.0, -50.0), Vec3::NEG_Z, Vec3::Y * 10.0] {
+            let mut blown = SimulationSettings { wind: Wind::Off, ..Default::default() };
+            blown.set_wind_velocity(wind);
+            assert!(blown.wind_velocity().distance(wind) < 1e-3 && blown.wind == Wind::Uniform, "{wind}");
+        }
+        let mut calm = settings.clone();
+        calm.set_wind_velocity(Vec3::ZERO);
+        assert_eq!(calm, SimulationSettings { wind_speed: 0.0, ..settings });
     }
 }

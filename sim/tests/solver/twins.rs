@@ -5,7 +5,7 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_shaders::{Gpu, ShaderLibrary};
-use lorelei_sim::{CpuSolver, GpuSolver};
+use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
 
 use crate::grooms::{ball_field, draped};
 
@@ -117,4 +117,31 @@ fn on_the_gpu_rest_stays_and_reset_is_rest_to_the_last_bit() {
     twins.gpu_solver.set_head_pose(&Affine3A::IDENTITY);
     twins.gpu_solver.reset();
     assert_eq!(twins.on_gpu(0, guides.positions.len()), guides.positions);
+}
+
+#[test]
+fn from_a_state_that_was_kept_the_same_frames_follow_to_the_last_bit() {
+    let (guides, none) = (draped(12, 24, 20.0, 0.3), GuideSet { n_vertices: 4, positions: Vec::new() });
+    let mut twins = Twins::new(&[&guides, &none], &SimulationSettings::default());
+    let pose = |frame: u32| Motion::Shake.pose(frame as f32 / 50.0, Vec3::NEG_Y * 8.0);
+    for frame in 1..=20 {
+        twins.advance(1.0 / 50.0, &pose(frame));
+    }
+    let (on_cpu, on_gpu) = (twins.cpu_solver.read_state(), twins.gpu_solver.read_state().unwrap());
+    let on_gpu = SolverState::from_bytes(&on_gpu.to_bytes()).unwrap();
+    let mut go_on = |on_cpu: &SolverState, on_gpu: &SolverState| {
+        assert!(twins.cpu_solver.write_state(on_cpu) && twins.gpu_solver.write_state(on_gpu));
+        for frame in 21..=40 {
+            twins.advance(1.0 / 50.0, &pose(frame));
+        }
+        (twins.cpu_solver.read_state(), twins.gpu_solver.read_state().unwrap(), twins.farthest_apart(0))
+    };
+    let first = go_on(&on_cpu, &on_gpu);
+    assert_ne!(first.0, on_cpu);
+    assert_eq!(go_on(&on_cpu, &on_gpu), first);
+    // Either goes on from the other's.
+    let (.., apart) = go_on(&on_gpu, &on_cpu);
+    assert!(apart < 0.05, "{apart} cm");
+    let mut others = CpuSolver::new(&[&guides], None, &SimulationSettings::default());
+    assert!(!others.write_state(&on_cpu));
 }

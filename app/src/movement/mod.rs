@@ -1,0 +1,50 @@
+//! A groom's movement frame by frame, without a picture: for the command line, and for whatever simulates while the
+//! window shows something else.
+//!
+//! [`Course`] says where the head is and how the air moves at a time, [`Run`] takes a solver through it in frames of one
+//! length. The same inputs give the same frames on one device.
+
+pub mod course;
+pub mod filmstrip;
+pub mod run;
+pub mod solver;
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec4};
+use lorelei_core::binding::LayerBinding;
+use lorelei_core::distance_field::DistanceField;
+use lorelei_render::Bound;
+
+pub use course::Course;
+pub use run::Run;
+
+/// What is moved: the guides of every layer, at rest, and the head that they keep out of.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    pub bindings: Vec<Arc<LayerBinding>>,
+    pub field: Option<Arc<DistanceField>>,
+}
+
+impl Subject {
+    /// Of a groom that is bound.
+    pub fn of(bound: &Bound) -> Self {
+        Self { bindings: bound.bindings().cloned().collect(), field: bound.field().cloned() }
+    }
+
+    pub fn n_guides(&self) -> usize {
+        self.bindings.iter().map(|binding| binding.guides.n_guides()).sum()
+    }
+
+    pub fn n_vertices(&self) -> usize {
+        self.bindings.iter().map(|binding| binding.guides.positions.len()).sum()
+    }
+}
+
+/// One frame: where the head is, and every layer's guides in world space, vertex `k` of guide `g` at
+/// `g * n_vertices + k`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shot {
+    pub world_from_head: Affine3A,
+    pub positions: Vec<Vec<Vec4>>,
+}

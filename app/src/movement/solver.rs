@@ -1,0 +1,125 @@
+//! The solver of either device behind one face.
+
+use std::time::Instant;
+
+use glam::{Affine3A, Vec4};
+use lorelei_core::simulation::SimulationSettings;
+use lorelei_shaders::{Gpu, GpuError, ShaderError};
+use lorelei_sim::{CpuSolver, GpuSolver, Measure};
+
+use super::Subject;
+use crate::stage::shader_library;
+
+/// Why a frame was not simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum SolverError {
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+/// Where a solver works.
+pub enum On {
+    Cpu,
+    Gpu(Box<Gpu>),
+}
+
+/// A piece of a frame: the head at its end, the settings during it, its length.
+#[derive(Debug, Clone)]
+pub struct Piece {
+    pub world_from_head: Affine3A,
+    pub settings: SimulationSettings,
+    pub secs: f32,
+}
+
+enum Which {
+    Cpu(Box<CpuSolver>),
+    Gpu(Box<GpuSolver>, Box<Gpu>),
+}
+
+/// A solver, and the settings that it has.
+pub struct Solver {
+    which: Which,
+    settings: SimulationSettings,
+    n_layers: usize,
+}
+
+impl Solver {
+    /// At rest where the head is at `world_from_head`.
+    pub fn new(
+        on: On,
+        subject: &Subject,
+        settings: &SimulationSettings,
+        world_from_head: &Affine3A,
+    ) -> Result<Self, SolverError> {
+        let guides: Vec<_> = subject.bindings.iter().map(|binding| &binding.guides).collect();
+        let field = subject.field.as_deref();
+        let which = match on {
+            On::Cpu => {
+                let mut solver = CpuSolver::new(&guides, field, settings);
+                solver.set_head_pose(world_from_head);
+                solver.reset();
+                Which::Cpu(Box::new(solver))
+            }
+            On::Gpu(gpu) => {
+                let mut solver = GpuSolver::new(&gpu, &shader_library()?, &guides, field, settings)?;
+                solver.set_head_pose(world_from_head);
+                solver.reset();
+                Which::Gpu(Box::new(solver), gpu)
+            }
+        };
+        Ok(Self { which, settings: settings.clone(), n_layers: guides.len() })
+    }
+
+    /// Let the pieces pass one after the other and wait until they have; returns steps and milliseconds.
+    pub fn advance(&mut self, pieces: &[Piece]) -> Result<(usize, f64), SolverError> {
+        let start = Instant::now();
+        let mut n_steps = 0;
+        match &mut self.which {
+            Which::Cpu(solver) => {
+                for piece in pieces {
+                    if self.settings != piece.settings {
+                        solver.set_settings(&piece.settings);
+                        self.settings.clone_from(&piece.settings);
+                    }
+                    solver.set_head_pose(&piece.world_from_head);
+                    n_steps += solver.advance(piece.secs);
+                }
+            }
+            Which::Gpu(solver, gpu) => {
+                let label = wgpu::CommandEncoderDescriptor { label: Some("movement.frame") };
+                let mut encoder = gpu.device.create_command_encoder(&label);
+                for piece in pieces {
+                    if self.settings != piece.settings {
+                        solver.set_settings(&piece.settings)?;
+                        self.settings.clone_from(&piece.settings);
+                    }
+                    solver.set_head_pose(&piece.world_from_head);
+                    n_steps += solver.advance(&mut encoder, piece.secs)?;
+                }
+                gpu.queue.submit([encoder.finish()]);
+                gpu.wait()?;
+            }
+        }
+        Ok((n_steps, start.elapsed().as_secs_f64() * 1e3))
+    }
+
+    /// Every layer's guides as the picture shows them, world.
+    pub fn positions(&self) -> Result<Vec<Vec<Vec4>>, SolverError> {
+        (0..self.n_layers)
+            .map(|layer_idx| match &self.which {
+                Which::Cpu(solver) => Ok(solver.positions(layer_idx).to_vec()),
+                Which::Gpu(solver, _) => Ok(solver.read_positions(layer_idx)?),
+            })
+            .collect()
+    }
+
+    /// How well the laws are kept at the last step.
+    pub fn measure(&self) -> Result<Measure, SolverError> {
+        match &self.which {
+            Which::Cpu(solver) => Ok(solver.measure()),
+            Which::Gpu(solver, _) => Ok(solver.measure()?),
+        }
+    }
+}
