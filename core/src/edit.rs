@@ -14,6 +14,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use crate::collider::Collider;
 use crate::groom::{Groom, HairMaterial, Head, Layer, Source};
 use crate::hair_mesh::{HairMesh, HairMeshError, MeshOp, VertexId};
 use crate::light::Light;
@@ -37,6 +38,8 @@ pub enum Edit {
     SetLod(Box<LodSettings>),
     SetLights(Vec<Light>),
     SetSimulation(Box<SimulationSettings>),
+    /// What hair keeps out of beside the head: a part of the settings of movement.
+    SetColliders(Vec<Collider>),
     AddLayer {
         layer_idx: usize,
         layer: Box<Layer>,
@@ -183,6 +186,7 @@ impl Groom {
             Edit::SetLod(lod) => Edit::SetLod(Box::new(replace(&mut self.lod, *lod))),
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),
+            Edit::SetColliders(colliders) => Edit::SetColliders(replace(&mut self.simulation.colliders, colliders)),
             Edit::AddLayer { layer_idx, layer } => {
                 let n_layers = self.layers.len();
                 if layer_idx > n_layers {

@@ -7,6 +7,7 @@ pub mod binding;
 pub mod brush;
 pub mod camera;
 pub mod clumps;
+pub mod collider;
 pub mod curve;
 pub mod distance_field;
 pub mod document;

@@ -1,4 +1,4 @@
-// What hair keeps out of. Twin of sim/src/contact.rs.
+// What hair keeps out of. Twin of sim/src/contact.rs, which says why each is as it is.
 #define_import_path lorelei::sim_contact
 
 #import lorelei::sim_pose::{Pose, rotate, pose_apply, pose_apply_inverse, after_inverse_of, normalize_or_zero}
@@ -8,9 +8,29 @@ struct ContactParams {
     field_cell: f32,
     // Nodes of the head's distance field; x is 0 where there is none.
     field_n: vec3<u32>,
-    n_spheres: u32,
+    n_capsules: u32,
     margin: f32,
     friction: f32,
+    // Radius of hair at the tip.
+    pearl: f32,
+    // Shortest way in a step that is marched.
+    march_from: f32,
+    // Farthest way of a collider in a frame.
+    capsule_way: f32,
+}
+
+struct Capsule {
+    a: vec3<f32>,
+    radius_a: f32,
+    b: vec3<f32>,
+    radius_b: f32,
+    // Where it was a frame before.
+    a_before: vec3<f32>,
+    // 1: in head space.
+    on_head: u32,
+    b_before: vec3<f32>,
+    // 1: hair that rests inside stays.
+    keeps_rest: u32,
 }
 
 // A vertex after a contact, and where it was a step before.
@@ -19,12 +39,29 @@ struct Contacted {
     prev: vec3<f32>,
 }
 
+struct Touch {
+    push: f32,
+    normal: vec3<f32>,
+    on_head: bool,
+    shift: vec3<f32>,
+}
+
 @group(0) @binding(auto) var<uniform> contact: ContactParams;
 @group(0) @binding(auto) var<storage, read> field_values: array<f32>;
-// Centre and radius.
-@group(0) @binding(auto) var<storage, read> spheres: array<vec4<f32>>;
+@group(0) @binding(auto) var<storage, read> capsules: array<Capsule>;
 
 const NOTHING_NEAR: f32 = 1e9;
+const MARCH_STEPS: u32 = 16u;
+const NEAR: f32 = 1.0;
+const ARRIVED: f32 = 0.01;
+
+// The step's beginning and end as shares of its frame.
+var<private> moments: vec2<f32> = vec2<f32>(1.0, 1.0);
+
+// Obstacles as they are in one of a frame's steps.
+fn contact_step(step: u32, n_steps: u32) {
+    moments = vec2<f32>(f32(step), f32(step + 1u)) / f32(max(n_steps, 1u));
+}
 
 fn field_value(node: vec3<u32>) -> f32 {
     return field_values[node.x + contact.field_n.x * (node.y + contact.field_n.y * node.z)];
@@ -53,39 +90,147 @@ fn field_sample(p: vec3<f32>) -> vec4<f32> {
     return vec4<f32>(vec3<f32>(dx, dy, dz) / contact.field_cell, mix(y0, y1, t.z) + outside);
 }
 
-// Direction away from the nearest obstacle (xyz, unit or zero) and the distance to it (w).
-fn normal_and_distance(p: vec3<f32>) -> vec4<f32> {
-    var nearest = vec4<f32>(0.0, 1.0, 0.0, NOTHING_NEAR);
-    if contact.field_n.x > 0u {
-        let sampled = field_sample(p);
-        nearest = vec4<f32>(normalize_or_zero(sampled.xyz), min(sampled.w, NOTHING_NEAR));
+// Keep a vertex out, `along` its strand.
+fn contact_collide(
+    moved: vec3<f32>,
+    prev: vec3<f32>,
+    rest_distance: f32,
+    along: f32,
+    before: Pose,
+    after: Pose,
+) -> Contacted {
+    if contact.field_n.x == 0u && contact.n_capsules == 0u {
+        return Contacted(moved, prev);
     }
-    for (var i = 0u; i < contact.n_spheres; i++) {
-        let from_centre = p - spheres[i].xyz;
-        let l = length(from_centre);
-        if l - spheres[i].w < nearest.w {
-            var normal = vec3<f32>(0.0, 1.0, 0.0);
-            if l > 1e-9 {
-                normal = from_centre / l;
-            }
-            nearest = vec4<f32>(normal, l - spheres[i].w);
-        }
-    }
-    return nearest;
-}
-
-// Push a vertex out to the margin, or to where it rests if that is nearer.
-fn contact_collide(x: vec3<f32>, prev: vec3<f32>, rest_distance: f32, before: Pose, after: Pose) -> Contacted {
-    let nearest = normal_and_distance(pose_apply_inverse(after, x));
-    let push = min(contact.margin, rest_distance) - nearest.w;
-    if push <= 0.0 {
+    let x = march(moved, prev, rest_distance, along, before, after);
+    let in_head = pose_apply_inverse(after, x);
+    let touched = touch(x, in_head, after.rotation, moments.y, rest_distance, along);
+    if touched.push <= 0.0 {
         return Contacted(x, prev);
     }
-    let carry = after_inverse_of(after, before);
-    let normal = rotate(after.rotation, nearest.xyz);
-    let pushed = x + push * normal;
-    let slid = pushed - pose_apply(carry, prev);
-    let along = slid - dot(slid, normal) * normal;
-    let hold_back = min(contact.friction * push / max(length(along), 1e-9), 1.0);
-    return Contacted(pushed - hold_back * along, prev + dot(slid, normal) * normal);
+    let origin = carried(touched, prev, before, after);
+    let pushed = x + touched.push * touched.normal;
+    let slid = pushed - origin;
+    let along_surface = slid - dot(slid, touched.normal) * touched.normal;
+    let hold_back = min(contact.friction * touched.push / max(length(along_surface), 1e-9), 1.0);
+    return Contacted(pushed - hold_back * along_surface, prev + dot(slid, touched.normal) * touched.normal);
+}
+
+// Keep out a vertex that a correction takes from `start` to `x` at the end of a step.
+fn contact_keep_out(start: vec3<f32>, moved: vec3<f32>, rest_distance: f32, along: f32, after: Pose) -> vec3<f32> {
+    if contact.field_n.x == 0u && contact.n_capsules == 0u {
+        return moved;
+    }
+    let of_step = moments;
+    moments = vec2<f32>(of_step.y);
+    let x = march(moved, start, rest_distance, along, after, after);
+    moments = of_step;
+    let touched = touch(x, pose_apply_inverse(after, x), after.rotation, moments.y, rest_distance, along);
+    if touched.push <= 0.0 {
+        return x;
+    }
+    return x + touched.push * touched.normal;
+}
+
+// Where `x` is once it went from `prev` without going through anything.
+fn march(x: vec3<f32>, prev: vec3<f32>, rest_distance: f32, along: f32, before: Pose, after: Pose) -> vec3<f32> {
+    let from_head = pose_apply_inverse(before, prev);
+    let to_head = pose_apply_inverse(after, x);
+    let by_itself = contact.capsule_way * (moments.y - moments.x);
+    let way = max(distance(from_head, to_head), select(0.0, distance(x, prev), contact.n_capsules > 0u)) + by_itself;
+    if way <= contact.march_from {
+        return x;
+    }
+    var t = 0.0;
+    for (var i = 0u; i < MARCH_STEPS; i++) {
+        let moment = moments.x + t * (moments.y - moments.x);
+        let at = prev + t * (x - prev);
+        let in_head = from_head + t * (to_head - from_head);
+        let touched = touch(at, in_head, after.rotation, moment, rest_distance, along);
+        if touched.push > -ARRIVED || i + 1u == MARCH_STEPS {
+            // Seen from the obstacle: where it would be had it not moved, and what is left of the way.
+            let origin = carried(touched, prev, before, after);
+            let left = (1.0 - t) * (x - origin);
+            let inwards = min(dot(left, touched.normal), 0.0);
+            return origin + t * (x - origin) + left - inwards * touched.normal;
+        }
+        t -= touched.push / way;
+        if t >= 1.0 {
+            return x;
+        }
+    }
+    return x;
+}
+
+// Where a place on what is touched has gone in the step.
+fn carried(touched: Touch, place: vec3<f32>, before: Pose, after: Pose) -> vec3<f32> {
+    var there = place;
+    if touched.on_head {
+        there = pose_apply(after_inverse_of(after, before), place);
+    }
+    return there + (moments.y - moments.x) * touched.shift;
+}
+
+// The obstacle that a vertex at `x` in the world, `in_head` in the head's space, is deepest in.
+fn touch(
+    x: vec3<f32>,
+    in_head: vec3<f32>,
+    rotation: vec4<f32>,
+    moment: f32,
+    rest_distance: f32,
+    along: f32,
+) -> Touch {
+    let wanted = contact.margin + contact.pearl * along;
+    var deepest = Touch(-NOTHING_NEAR, vec3<f32>(0.0, 1.0, 0.0), true, vec3<f32>(0.0));
+    if contact.field_n.x > 0u {
+        let sampled = field_sample(in_head);
+        deepest.push = min(wanted, rest_distance) - min(sampled.w, NOTHING_NEAR);
+        if deepest.push > -NEAR {
+            deepest.normal = rotate(rotation, normalize_or_zero(sampled.xyz));
+        }
+    }
+    for (var i = 0u; i < contact.n_capsules; i++) {
+        let capsule = capsules[i];
+        let on_head = capsule.on_head == 1u;
+        let place = select(x, in_head, on_head);
+        let way_a = capsule.a - capsule.a_before;
+        let way_b = capsule.b - capsule.b_before;
+        let a = capsule.a_before + moment * way_a;
+        let b = capsule.b_before + moment * way_b;
+        let h = capsule_nearest(a, capsule.radius_a, b, capsule.radius_b, place);
+        let from_axis = place - a - h * (b - a);
+        let far = length(from_axis);
+        let distance = far - (capsule.radius_a + h * (capsule.radius_b - capsule.radius_a));
+        let kept = select(wanted, min(wanted, rest_distance), capsule.keeps_rest == 1u);
+        if kept - distance > deepest.push {
+            var normal = vec3<f32>(0.0, 1.0, 0.0);
+            if far > 1e-9 {
+                normal = from_axis / far;
+            }
+            let shift = way_a + h * (way_b - way_a);
+            deepest = Touch(kept - distance, normal, on_head, shift);
+            if on_head {
+                deepest.normal = rotate(rotation, normal);
+                deepest.shift = rotate(rotation, shift);
+            }
+        }
+    }
+    return deepest;
+}
+
+// Where between its balls the one is whose surface is nearest, 0 to 1.
+fn capsule_nearest(a: vec3<f32>, radius_a: f32, b: vec3<f32>, radius_b: f32, p: vec3<f32>) -> f32 {
+    let axis = b - a;
+    let squared = dot(axis, axis);
+    let thinner = radius_a - radius_b;
+    // Where one ball holds the other there is nothing between.
+    var h = select(0.0, 1.0, thinner < 0.0);
+    let slant = squared - thinner * thinner;
+    if slant > 1e-10 {
+        let l = sqrt(squared);
+        let y = dot(p - a, axis) / l;
+        let across = length(p - a - axis * (y / l));
+        h = clamp((y - across * thinner / sqrt(slant)) / l, 0.0, 1.0);
+    }
+    return h;
 }

@@ -4,7 +4,7 @@
 // barriers between the batches, was rejected: sim/src/gpu.rs says why.
 
 #import lorelei::sim_pose::{Pose, rotate, multiply, pose_apply, pose_apply_inverse, after_inverse_of, shortest_turn, normalize_or_zero}
-#import lorelei::sim_contact::contact_collide
+#import lorelei::sim_contact::{contact_collide, contact_keep_out, contact_step}
 #import lorelei::sim_air::air_velocity
 
 struct StepParams {
@@ -60,6 +60,9 @@ const MIN_EDGE = 0.05;
 const SMOOTHING = 3.0;
 const HOLD_ENDS = 7.0;
 const SHELTER = 4.0;
+const CLOSINGS = 3u;
+const REACHES = 8u;
+const HELD = 1.2;
 
 // First vertex of this thread's strand.
 var<private> base: u32;
@@ -228,25 +231,73 @@ fn length_batch(batch: u32) {
 // Keep vertices out of the head and the colliders.
 fn collide(before: Pose, after: Pose) {
     for (var k = N_PINNED; k < params.n_vertices; k++) {
-        let contact = contact_collide(x_at(k), prev_at(k), rest[base + k].w, before, after);
+        let along = f32(k) / f32(params.n_vertices - 1u);
+        let contact = contact_collide(x_at(k), prev_at(k), rest[base + k].w, along, before, after);
         set_x(k, contact.x);
         set_prev(k, contact.prev);
     }
 }
 
-// Put every vertex at its exact distance from the one below, without giving it velocity.
+// Put every vertex at its exact distance from the one below and out of all obstacles.
 fn close_lengths(after: Pose) {
-    for (var k = N_PINNED; k < params.n_vertices; k++) {
-        let rest_edge = rest_at(k) - rest_at(k - 1u);
-        let edge = x_at(k) - x_at(k - 1u);
-        let l = length(edge);
-        var correction = rotate(after.rotation, rest_edge);
-        if l > 1e-6 {
-            correction = edge * ((length(rest_edge) - l) / l);
+    for (var reach = 0u; reach <= REACHES; reach++) {
+        if !reach_from_root(after, reach < REACHES) {
+            return;
         }
-        set_x(k, x_at(k) + correction);
-        set_prev(k, prev_at(k) + correction);
+        reach_from_tip(after);
     }
+}
+
+// From the root up, without giving velocity; true where a vertex was held back and may be, its edge too long.
+fn reach_from_root(after: Pose, may_hold: bool) -> bool {
+    var is_held = false;
+    for (var k = N_PINNED; k < params.n_vertices; k++) {
+        let below = x_at(k - 1u);
+        let rest_edge = rest_at(k) - rest_at(k - 1u);
+        let along = f32(k) / f32(params.n_vertices - 1u);
+        let start = x_at(k);
+        var x = at_length(below, start, rest_edge, after);
+        for (var i = 0u; i < CLOSINGS; i++) {
+            let kept = contact_keep_out(start, x, rest[base + k].w, along, after);
+            if all(kept == x) {
+                break;
+            }
+            x = at_length(below, kept, rest_edge, after);
+            if may_hold && distance(kept, below) > HELD * length(rest_edge) {
+                is_held = true;
+                x = kept;
+                break;
+            }
+        }
+        set_x(k, x);
+        set_prev(k, prev_at(k) + (x - start));
+    }
+    return is_held;
+}
+
+// From the tip down, edges that are too long; it takes the velocity that made them so.
+fn reach_from_tip(after: Pose) {
+    for (var k = params.n_vertices - 2u; k >= N_PINNED; k--) {
+        let rest_edge = rest_at(k + 1u) - rest_at(k);
+        let along = f32(k) / f32(params.n_vertices - 1u);
+        let x = x_at(k);
+        let above = x_at(k + 1u);
+        if distance(x, above) > 1.001 * length(rest_edge) {
+            let pulled = at_length(above, x, rest_edge, after);
+            set_x(k, contact_keep_out(x, pulled, rest[base + k].w, along, after));
+        }
+    }
+}
+
+// The place in the direction of `x` that is as far from `below` as at rest.
+fn at_length(below: vec3<f32>, x: vec3<f32>, rest_edge: vec3<f32>, after: Pose) -> vec3<f32> {
+    let edge = x - below;
+    let l = length(edge);
+    var correction = rotate(after.rotation, rest_edge);
+    if l > 1e-6 {
+        correction = edge * ((length(rest_edge) - l) / l);
+    }
+    return x + correction;
 }
 
 // A strand that is not finite starts again from rest.
@@ -302,6 +353,7 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
                 begun[base + k] = present[base + k];
             }
         }
+        contact_step(i, params.n_steps);
         step_strand(params.poses[i], params.poses[i + 1u]);
     }
     for (var k = 0u; k < params.n_vertices; k++) {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::air::Air;
 use crate::clock::{Clock, Frame};
-use crate::contact::Obstacles;
+use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
@@ -29,6 +29,7 @@ struct Layer {
 pub struct CpuSolver {
     layers: Vec<Layer>,
     field: Option<DistanceField>,
+    capsules: Vec<Capsule>,
     settings: SimulationSettings,
     params: StepParams,
     clock: Clock,
@@ -38,7 +39,8 @@ pub struct CpuSolver {
 impl CpuSolver {
     /// At rest at the identity pose.
     pub fn new(guides: &[&GuideSet], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
-        let obstacles = Obstacles::new(field, settings);
+        let capsules = capsules_of(settings);
+        let obstacles = Obstacles::new(field, &capsules, settings);
         let layers = guides
             .iter()
             .map(|&guides| {
@@ -56,6 +58,7 @@ impl CpuSolver {
         let mut solver = Self {
             layers,
             field: field.cloned(),
+            capsules,
             params: StepParams::new(settings),
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
@@ -67,11 +70,16 @@ impl CpuSolver {
 
     /// The movement goes on with other settings.
     pub fn set_settings(&mut self, settings: &SimulationSettings) {
-        if self.settings.spheres != settings.spheres {
-            let obstacles = Obstacles::new(self.field.as_ref(), settings);
-            for layer in &mut self.layers {
-                layer.rest = Rest::new(&layer.guides, obstacles);
+        if self.settings.colliders != settings.colliders {
+            let mut capsules = capsules_of(settings);
+            come_from(&mut capsules, &self.capsules);
+            let obstacles = Obstacles::new(self.field.as_ref(), &capsules, settings);
+            if capsules.iter().chain(&self.capsules).any(|capsule| capsule.keeps_rest == 1) {
+                for layer in &mut self.layers {
+                    layer.rest = Rest::new(&layer.guides, obstacles);
+                }
             }
+            self.capsules = capsules;
         }
         self.settings = settings.clone();
         self.params = StepParams::new(settings);
@@ -86,6 +94,9 @@ impl CpuSolver {
     pub fn advance(&mut self, frame_secs: f32) -> usize {
         let frame = self.clock.advance(frame_secs, f64::from(self.params.step_secs), self.pose);
         self.run(&frame);
+        if frame.n_steps() > 0 {
+            arrive(&mut self.capsules);
+        }
         frame.n_steps()
     }
 
@@ -93,6 +104,7 @@ impl CpuSolver {
     pub fn step_once(&mut self) {
         let frame = self.clock.step_once(self.pose);
         self.run(&frame);
+        arrive(&mut self.capsules);
     }
 
     /// Back to rest at the present pose.
@@ -142,7 +154,7 @@ impl CpuSolver {
 
     /// All layers at the last step.
     pub fn measure(&self) -> Measure {
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let pose = self.clock.pose_at_step();
         let of_layer =
             |layer: &Layer| measure(&layer.rest, obstacles, pose, &layer.x, &layer.begun, self.params.step_secs);
@@ -150,7 +162,7 @@ impl CpuSolver {
     }
 
     fn run(&mut self, frame: &Frame) {
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let params = self.params;
         let air = Air::new(&self.settings);
         for layer in &mut self.layers {
@@ -186,9 +198,9 @@ fn run_strand(
             begun[k] = carry.apply(begun[k].xyz()).extend(0.0);
         }
     }
-    for poses in frame.poses.windows(2) {
+    for (step, poses) in frame.poses.windows(2).enumerate() {
         begun.copy_from_slice(s.x);
-        step_strand(s, params, air, obstacles, poses[0], poses[1]);
+        step_strand(s, params, air, obstacles.at_step(step, frame.n_steps()), poses[0], poses[1]);
     }
     // The picture is up to a step ahead of the last step: go on at the present velocity, roots with the head.
     for k in 0..s.x.len() {

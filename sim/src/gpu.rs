@@ -14,7 +14,7 @@ use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, Shader
 
 use crate::air::Air;
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
-use crate::contact::Obstacles;
+use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
@@ -76,7 +76,7 @@ pub struct GpuSolver {
     layers: Vec<Layer>,
     field: Option<DistanceField>,
     field_values: wgpu::Buffer,
-    spheres: wgpu::Buffer,
+    capsules: Vec<Capsule>,
     settings: SimulationSettings,
     params: StepParams,
     clock: Clock,
@@ -93,7 +93,8 @@ impl GpuSolver {
         settings: &SimulationSettings,
     ) -> Result<Self, ShaderError> {
         let kernel = kernel_for(gpu, library, settings)?;
-        let obstacles = Obstacles::new(field, settings);
+        let capsules = capsules_of(settings);
+        let obstacles = Obstacles::new(field, &capsules, settings);
         let layers = guides
             .iter()
             .map(|&guides| {
@@ -117,7 +118,7 @@ impl GpuSolver {
             layers,
             field: field.cloned(),
             field_values: gpu.buffer_of("sim.field_values", values, wgpu::BufferUsages::STORAGE),
-            spheres: gpu.buffer_of("sim.spheres", &settings.spheres, wgpu::BufferUsages::STORAGE),
+            capsules,
             params: StepParams::new(settings),
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
@@ -134,13 +135,17 @@ impl GpuSolver {
         if self.settings.wind != settings.wind {
             self.kernel = kernel_for(&self.gpu, &self.library, settings)?;
         }
-        if self.settings.spheres != settings.spheres {
-            let obstacles = Obstacles::new(self.field.as_ref(), settings);
-            for layer in &mut self.layers {
-                layer.rest = Rest::new(&layer.guides, obstacles);
-                self.gpu.queue.write_buffer(&layer.rest_buffer, 0, bytemuck::cast_slice(&layer.rest.vertices));
+        if self.settings.colliders != settings.colliders {
+            let mut capsules = capsules_of(settings);
+            come_from(&mut capsules, &self.capsules);
+            let obstacles = Obstacles::new(self.field.as_ref(), &capsules, settings);
+            if capsules.iter().chain(&self.capsules).any(|capsule| capsule.keeps_rest == 1) {
+                for layer in &mut self.layers {
+                    layer.rest = Rest::new(&layer.guides, obstacles);
+                    self.gpu.queue.write_buffer(&layer.rest_buffer, 0, bytemuck::cast_slice(&layer.rest.vertices));
+                }
             }
-            self.spheres = self.gpu.buffer_of("sim.spheres", &settings.spheres, wgpu::BufferUsages::STORAGE);
+            self.capsules = capsules;
         }
         self.settings = settings.clone();
         self.params = StepParams::new(settings);
@@ -156,13 +161,18 @@ impl GpuSolver {
     pub fn advance(&mut self, encoder: &mut wgpu::CommandEncoder, frame_secs: f32) -> Result<usize, ShaderError> {
         let frame = self.clock.advance(frame_secs, f64::from(self.params.step_secs), self.pose);
         self.record(encoder, &frame)?;
+        if frame.n_steps() > 0 {
+            arrive(&mut self.capsules);
+        }
         Ok(frame.n_steps())
     }
 
     /// Record one step, however long the frame.
     pub fn step_once(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), ShaderError> {
         let frame = self.clock.step_once(self.pose);
-        self.record(encoder, &frame)
+        self.record(encoder, &frame)?;
+        arrive(&mut self.capsules);
+        Ok(())
     }
 
     /// Back to rest at the present pose. Takes effect before commands that are submitted later.
@@ -227,7 +237,7 @@ impl GpuSolver {
 
     /// All layers at the last step that was submitted. Waits for the GPU: for tests and reports.
     pub fn measure(&self) -> Result<Measure, GpuError> {
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let mut sum = Measure::default();
         for layer in &self.layers {
             let x: Vec<Vec4> = self.gpu.read_buffer(&layer.present)?;
@@ -282,8 +292,9 @@ impl GpuSolver {
         };
         let uniform = wgpu::BufferUsages::UNIFORM;
         let params = self.gpu.buffer_of("sim.params", &[params], uniform);
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.settings);
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], uniform);
+        let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
         let air = self.gpu.buffer_of("sim.air", &[Air::new(&self.settings).params()], uniform);
         // Still air has no parameters.
         self.kernel.bind_used(
@@ -298,7 +309,7 @@ impl GpuSolver {
                 ("begun", layer.begun.as_entire_binding()),
                 ("positions", layer.positions.as_entire_binding()),
                 ("field_values", self.field_values.as_entire_binding()),
-                ("spheres", self.spheres.as_entire_binding()),
+                ("capsules", capsules.as_entire_binding()),
             ],
         )
     }

@@ -94,8 +94,8 @@ pub fn measure(
             n_edges += 1;
             measure.length_error_max = measure.length_error_max.max(error);
         }
-        let rest_distance = obstacles.distance(rest.vertices[idx].xyz());
-        let depth = rest_distance.min(0.0) - obstacles.distance(pose.apply_inverse(x));
+        let rest_distance = obstacles.rest_distance(rest.vertices[idx].xyz());
+        let depth = obstacles.depth(x, pose, rest_distance);
         measure.penetration_max_cm = measure.penetration_max_cm.max(depth);
         let speed = x.distance(previous[idx].xyz()) / step_secs;
         energy += 0.5 * f64::from(speed).powi(2);

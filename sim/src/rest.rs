@@ -24,7 +24,7 @@ impl Rest {
             .par_iter()
             .map(|&p| {
                 let p = if p.is_finite() { p } else { Vec3::ZERO };
-                p.extend(obstacles.distance(p) - SLACK)
+                p.extend(obstacles.rest_distance(p) - SLACK)
             })
             .collect();
         Self { n_vertices: guides.n_vertices, vertices }

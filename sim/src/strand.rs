@@ -50,6 +50,12 @@ const SMOOTHING: f32 = 3.0;
 const SHELTER: f32 = 4.0;
 /// Times its length, where the hold has faded to a thousandth and ends.
 const HOLD_ENDS: f32 = 7.0;
+/// Times that length and obstacles have their say in turns.
+const CLOSINGS: usize = 3;
+/// Times that a chain which is held is closed from both ends.
+const REACHES: usize = 8;
+/// An edge stretched by an obstacle to this many times its length is held.
+const HELD: f32 = 1.2;
 /// Faster hair is not seen, only missed: cm/s.
 const MAX_SPEED: f32 = 3000.0;
 /// Standard gravity, by which `bend_length` becomes a stiffness; not the scene's gravity, cm/s2.
@@ -126,7 +132,7 @@ pub fn step_strand(s: &mut Strand<'_>, p: &StepParams, air: Air, obstacles: Obst
         length_batch(s, 1);
         collide(s, obstacles, before, after);
     }
-    close_lengths(s, after);
+    close_lengths(s, obstacles, after);
     recover(s, after);
 }
 
@@ -261,29 +267,75 @@ fn length_batch(s: &mut Strand<'_>, batch: usize) {
 /// Keep vertices out of the head and the colliders.
 fn collide(s: &mut Strand<'_>, obstacles: Obstacles<'_>, before: Pose, after: Pose) {
     for k in N_PINNED..s.x.len() {
-        let (x, prev) = obstacles.collide(s.x[k].xyz(), s.prev[k].xyz(), s.rest[k].w, before, after);
+        let along = k as f32 / (s.x.len() - 1) as f32;
+        let (x, prev) = obstacles.collide(s.x[k].xyz(), s.prev[k].xyz(), s.rest[k].w, along, before, after);
         set(&mut s.x[k], x);
         set(&mut s.prev[k], prev);
     }
 }
 
-/// Put every vertex at its exact distance from the one below, without giving it velocity.
-fn close_lengths(s: &mut Strand<'_>, after: Pose) {
+/// Put every vertex at its exact distance from the one below and out of all obstacles. Where an obstacle holds a vertex
+/// back, those below are pulled to it, and the chain is closed again from the root (after FABRIK, Aristidou and
+/// Lasenby 2011): root to tip alone would drag what hangs on a rod through it.
+fn close_lengths(s: &mut Strand<'_>, obstacles: Obstacles<'_>, after: Pose) {
+    for reach in 0..=REACHES {
+        if !reach_from_root(s, obstacles, after, reach < REACHES) {
+            return;
+        }
+        reach_from_tip(s, obstacles, after);
+    }
+}
+
+/// From the root up, without giving velocity; true where a vertex was held back and may be, its edge too long.
+fn reach_from_root(s: &mut Strand<'_>, obstacles: Obstacles<'_>, after: Pose, may_hold: bool) -> bool {
+    let mut is_held = false;
     for k in N_PINNED..s.x.len() {
         let below = s.x[k - 1].xyz();
         let rest_edge = s.rest[k].xyz() - s.rest[k - 1].xyz();
-        let edge = s.x[k].xyz() - below;
-        let length = edge.length();
-        // Vertices at one place have no direction: take the one at rest.
-        let correction = if length > 1e-6 {
-            edge * ((rest_edge.length() - length) / length)
-        } else {
-            rotate(after.rotation, rest_edge)
-        };
-        let (x, prev) = (s.x[k].xyz() + correction, s.prev[k].xyz() + correction);
+        let along = k as f32 / (s.x.len() - 1) as f32;
+        let start = s.x[k].xyz();
+        let mut x = at_length(below, start, rest_edge, after);
+        for _ in 0..CLOSINGS {
+            let kept = obstacles.keep_out(start, x, s.rest[k].w, along, after);
+            if kept == x {
+                break;
+            }
+            x = at_length(below, kept, rest_edge, after);
+            if may_hold && kept.distance(below) > HELD * rest_edge.length() {
+                is_held = true;
+                x = kept;
+                break;
+            }
+        }
+        let prev = s.prev[k].xyz() + (x - start);
         set(&mut s.x[k], x);
         set(&mut s.prev[k], prev);
     }
+    is_held
+}
+
+/// From the tip down, edges that are too long; it takes the velocity that made them so.
+fn reach_from_tip(s: &mut Strand<'_>, obstacles: Obstacles<'_>, after: Pose) {
+    for k in (N_PINNED..s.x.len() - 1).rev() {
+        let rest_edge = s.rest[k + 1].xyz() - s.rest[k].xyz();
+        let along = k as f32 / (s.x.len() - 1) as f32;
+        let (x, above) = (s.x[k].xyz(), s.x[k + 1].xyz());
+        if x.distance(above) > 1.001 * rest_edge.length() {
+            let pulled = at_length(above, x, rest_edge, after);
+            let kept = obstacles.keep_out(x, pulled, s.rest[k].w, along, after);
+            set(&mut s.x[k], kept);
+        }
+    }
+}
+
+/// The place in the direction of `x` that is as far from `below` as at rest.
+fn at_length(below: Vec3, x: Vec3, rest_edge: Vec3, after: Pose) -> Vec3 {
+    let edge = x - below;
+    let length = edge.length();
+    // Vertices at one place have no direction: take the one at rest.
+    let correction =
+        if length > 1e-6 { edge * ((rest_edge.length() - length) / length) } else { rotate(after.rotation, rest_edge) };
+    x + correction
 }
 
 /// A strand that is not finite starts again from rest.

@@ -24,6 +24,8 @@ pub enum Selection {
     Head,
     Layer(usize),
     Light(usize),
+    /// Of the settings of movement.
+    Collider(usize),
 }
 
 /// GPU time of one frame by pass, for the plot.
@@ -119,7 +121,7 @@ impl Desk {
     pub fn selected_layer(&self) -> Option<&Layer> {
         match self.selection {
             Selection::Layer(layer_idx) => self.document.groom.layers.get(layer_idx),
-            Selection::Head | Selection::Light(_) => None,
+            Selection::Head | Selection::Light(_) | Selection::Collider(_) => None,
         }
     }
 
@@ -131,6 +133,9 @@ impl Desk {
             }
             Selection::Light(i) if i >= groom.lights.len() => {
                 groom.lights.len().checked_sub(1).map_or(Selection::Head, Selection::Light)
+            }
+            Selection::Collider(i) if i >= groom.simulation.colliders.len() => {
+                groom.simulation.colliders.len().checked_sub(1).map_or(Selection::Head, Selection::Collider)
             }
             kept => kept,
         };

@@ -1,5 +1,6 @@
 //! The studio's window: one frame of it from top to bottom.
 
+mod collider_handles;
 mod commands;
 mod desk;
 mod document;

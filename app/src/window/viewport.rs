@@ -3,6 +3,7 @@
 use egui::{Align2, Color32, Key, Rect, Sense, TextureId, Ui, pos2, vec2};
 use lorelei_core::motion::HeadPose;
 
+use super::collider_handles;
 use super::desk::Desk;
 use super::handles::{self, HandleDrag};
 use super::navigation;
@@ -70,6 +71,7 @@ impl Viewport {
         if desk.show_handles && self.grab.is_none() && desk.tools.active == Tool::Select {
             handles::lights(ui, desk, projection, &mut self.drag);
             is_dragging_handle = handles::head(ui, desk, projection);
+            is_dragging_handle |= collider_handles::colliders(ui, desk, projection);
         }
         let is_wiping = room::viewport(ui, desk, rect, &response);
         self.follow_grab(ui, desk, rect);

@@ -13,7 +13,8 @@ impl Edit {
             | (Self::SetPanorama(_), Self::SetPanorama(_))
             | (Self::SetLod(_), Self::SetLod(_))
             | (Self::SetLights(_), Self::SetLights(_))
-            | (Self::SetSimulation(_), Self::SetSimulation(_)) => true,
+            | (Self::SetSimulation(_), Self::SetSimulation(_) | Self::SetColliders(_))
+            | (Self::SetColliders(_), Self::SetColliders(_)) => true,
             (
                 Self::SetLayer { layer_idx: a, .. },
                 Self::SetLayer { layer_idx: b, .. }

@@ -74,6 +74,7 @@ impl Edit {
             | Self::SetLod(_)
             | Self::SetLights(_)
             | Self::SetSimulation(_)
+            | Self::SetColliders(_)
             | Self::RemoveLayer { .. }
             | Self::MoveLayer { .. }
             | Self::SetLayerName { .. }

@@ -7,6 +7,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::camera::direction_from_deg;
+use crate::collider::Collider;
 use crate::look::{Choice, ChoiceInfo, Slot, choices, integer, number};
 
 choices! {
@@ -21,6 +22,14 @@ choices! {
     Wind {
         Uniform = "uniform", "Steady wind", "The same velocity everywhere: no grid, no cost";
         Off = "off", "Still air", "Hair is damped by air that does not move";
+    }
+}
+
+choices! {
+    /// How thick hair is against the head and colliders.
+    Pearl {
+        Off = "off", "As a line", "Every vertex keeps the same distance";
+        Growing = "growing", "Growing balls", "A ball at every vertex that grows from root to tip: locks keep their thickness, and nothing slips between two vertices";
     }
 }
 
@@ -56,8 +65,12 @@ pub struct SimulationSettings {
     pub collision_margin: f32,
     /// Coulomb coefficient against the head.
     pub friction: f32,
-    /// Spheres in head space that hair also keeps out of: centre x, y, z and radius in centimetres.
-    pub spheres: Vec<[f32; 4]>,
+    pub pearl: Pearl,
+    /// Radius of hair against the head and colliders at its tip, cm; see [`Pearl`].
+    pub pearl_radius: f32,
+    /// What hair also keeps out of. Files from before there were capsules call them spheres.
+    #[serde(alias = "spheres")]
+    pub colliders: Vec<Collider>,
 }
 
 impl Default for SimulationSettings {
@@ -78,7 +91,9 @@ impl Default for SimulationSettings {
             drag: 1.5,
             collision_margin: 0.15,
             friction: 0.2,
-            spheres: Vec::new(),
+            pearl: Pearl::Off,
+            pearl_radius: 0.6,
+            colliders: Vec::new(),
         }
     }
 }
@@ -209,6 +224,15 @@ impl SimulationSettings {
                 "How quickly hair takes up the speed of the air",
             ),
         ];
+        let pearl = vec![number(
+            "pearl.radius",
+            "Radius at the tip",
+            "cm",
+            (0.0, 3.0),
+            &mut self.pearl_radius,
+            &["growing"],
+            "Half of a lock's thickness; half the distance of two vertices, and nothing slips between them",
+        )];
         vec![
             Slot {
                 key: "sim",
@@ -223,6 +247,13 @@ impl SimulationSettings {
                 help: "The air that the hair moves in",
                 choice: &mut self.wind,
                 params: wind,
+            },
+            Slot {
+                key: "pearl",
+                label: "Thickness",
+                help: "How thick hair is against the head and colliders",
+                choice: &mut self.pearl,
+                params: pearl,
             },
         ]
     }

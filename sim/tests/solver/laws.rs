@@ -3,9 +3,10 @@
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, Quat, Vec3, Vec4Swizzles};
+use lorelei_core::collider::Collider;
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::simulation::{Pearl, SimulationSettings};
 use lorelei_sim::{CpuSolver, Measure};
 
 use crate::grooms::{ball_field, draped};
@@ -217,7 +218,12 @@ fn nothing_breaks_it() {
         wind_speed: 1e30,
         steps_per_second: 0.0,
         n_iterations: 0,
-        spheres: vec![[0.0, -12.0, 0.0, 5.0], [f32::NAN; 4]],
+        colliders: vec![
+            Collider::sphere("ball", Vec3::new(0.0, -12.0, 0.0), 5.0),
+            Collider::sphere("none", Vec3::NAN, f32::NAN),
+        ],
+        pearl: Pearl::Growing,
+        pearl_radius: f32::NAN,
         ..SimulationSettings::default()
     };
     for settings in [SimulationSettings::default(), wild] {
@@ -273,7 +279,8 @@ fn spheres_push_and_leave() {
     let mut settings = SimulationSettings::default();
     let mut solver = CpuSolver::new(&[&guides], None, &settings);
     // A ball dropped where hair hangs; hair that rests inside of it stays.
-    settings.spheres = vec![[14.0, -10.0, 0.0, 4.0]];
+    let ball = Collider::sphere("ball", Vec3::new(14.0, -10.0, 0.0), 4.0);
+    settings.colliders = vec![Collider { keeps_rest: true, ..ball }];
     solver.set_settings(&settings);
     let pushed = *run(&mut solver, 2.0, 60.0, |t| {
         HeadPose { shift: Vec3::X * (2.0 * (3.0 * t).sin()), ..Default::default() }.world_from_head(PIVOT)

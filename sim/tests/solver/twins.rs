@@ -1,9 +1,10 @@
 //! The GPU solver does what the CPU solver does.
 
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::collider::{Attachment, Collider};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::simulation::{Pearl, SimulationSettings};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
 
@@ -50,7 +51,15 @@ impl Twins {
 fn twins_agree_on_random_states() {
     let settings = SimulationSettings {
         wind_speed: 400.0,
-        spheres: vec![[9.0, -8.0, 2.0, 3.0], [0.0, -12.0, 6.0, 4.0]],
+        pearl: Pearl::Growing,
+        colliders: vec![
+            Collider { keeps_rest: true, ..Collider::sphere("ball", Vec3::new(9.0, -8.0, 2.0), 3.0) },
+            Collider::capsule("arm", [Vec3::new(0.0, -12.0, 6.0), Vec3::new(-9.0, -9.0, 5.0)], [4.0, 0.7]),
+            Collider {
+                attached: Attachment::World,
+                ..Collider::capsule("rod", [Vec3::new(12.0, -9.0, -9.0), Vec3::new(12.0, -9.0, 9.0)], [0.3; 2])
+            },
+        ],
         ..SimulationSettings::default()
     };
     let (curly, short) = (draped(70, 23, 18.0, 0.4), draped(33, 8, 5.0, 0.0));

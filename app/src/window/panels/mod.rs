@@ -1,5 +1,6 @@
 //! The panels around the viewport, one a file.
 
+pub mod colliders;
 mod curve_editor;
 pub mod history;
 pub mod lights;

@@ -18,6 +18,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         Selection::Head => head(ui, desk),
         Selection::Layer(layer_idx) => layer(ui, desk, layer_idx),
         Selection::Light(light_idx) => super::lights::one(ui, desk, light_idx),
+        Selection::Collider(collider_idx) => super::colliders::one(ui, desk, collider_idx),
     }
 }
 

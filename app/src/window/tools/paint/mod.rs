@@ -92,7 +92,9 @@ pub fn layer_idx(desk: &Desk) -> Option<usize> {
 fn selected(groom: &Groom, selection: Selection) -> Option<usize> {
     match selection {
         Selection::Layer(layer_idx) if layer_idx < groom.layers.len() => Some(layer_idx),
-        Selection::Layer(_) | Selection::Head | Selection::Light(_) => (!groom.layers.is_empty()).then_some(0),
+        Selection::Layer(_) | Selection::Head | Selection::Light(_) | Selection::Collider(_) => {
+            (!groom.layers.is_empty()).then_some(0)
+        }
     }
 }
 
