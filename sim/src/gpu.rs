@@ -1,25 +1,22 @@
 //! The solver on the GPU: one dispatch a layer takes every strand through all of a frame's steps. Positions never
 //! leave the GPU.
 //!
-//! One thread takes one strand. A strand is a chain in which every pass goes from one end to the other; a
-//! workgroup a strand, one thread a vertex, would need a barrier between the batches of every iteration, has no
-//! direct solve of the lengths, and leaves half its threads idle in each batch. On the software driver, where a
-//! barrier suspends every thread of the group, it is out of the question.
+//! A rod is one thread's: each of its sweeps goes from one end to the other. A chain is a workgroup's, one thread a vertex,
+//! as the references have it.
 
-use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
+use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
-use lorelei_core::simulation::SimulationSettings;
-use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary};
+use lorelei_core::simulation::{SimulationSettings, Solver};
+use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
 use crate::air::Air;
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
+use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
-use crate::rest::Rest;
 use crate::state::SolverState;
-use crate::strand::StepParams;
 
 /// Layout of `Pose` in WGSL.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -35,11 +32,10 @@ impl From<Pose> for GpuPose {
     }
 }
 
-/// Layout of `Params` in WGSL.
+/// Layout of `FrameParams` in WGSL.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
-struct Params {
-    step: StepParams,
+struct FrameParams {
     n_guides: u32,
     n_vertices: u32,
     n_steps: u32,
@@ -51,22 +47,42 @@ struct Params {
     poses: [GpuPose; MAX_STEPS_PER_FRAME + 1],
 }
 
+/// A layer on the GPU.
 struct Layer {
-    guides: GuideSet,
-    rest: Rest,
-    rest_buffer: wgpu::Buffer,
-    present: wgpu::Buffer,
-    before_that: wgpu::Buffer,
-    begun: wgpu::Buffer,
+    /// As it rests: its state is that of the last reset.
+    model: SimulatedLayer,
+    rest: wgpu::Buffer,
+    state: wgpu::Buffer,
+    /// What the sweeps of a rod hand on to each other.
+    eliminated: wgpu::Buffer,
     positions: wgpu::Buffer,
 }
 
 impl Layer {
-    /// What goes on from step to step, in the order of the CPU solver's arrays.
-    fn state(&self) -> [&wgpu::Buffer; 4] {
-        [&self.present, &self.before_that, &self.begun, &self.positions]
+    fn new(gpu: &Gpu, model: SimulatedLayer) -> Self {
+        let storage = wgpu::BufferUsages::STORAGE;
+        let read_back = storage | wgpu::BufferUsages::COPY_SRC;
+        Self {
+            rest: gpu.buffer_of("sim.rest", model.rest_vec4s(), storage),
+            state: gpu.buffer_of("sim.state", model.state_vec4s(), read_back),
+            eliminated: gpu.buffer("sim.eliminated", ELIMINATED_BYTES * model.rest.vertices.len() as u64, storage),
+            positions: gpu.buffer_of("sim.positions", &model.shown, read_back),
+            model,
+        }
+    }
+
+    /// Send the model's state, from before what is submitted later.
+    fn send_state(&self, gpu: &Gpu) {
+        for (buffer, contents) in [(&self.state, self.model.state_vec4s()), (&self.positions, &self.model.shown)] {
+            if !contents.is_empty() {
+                gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
+            }
+        }
     }
 }
+
+/// Bytes of `Eliminated` in WGSL.
+const ELIMINATED_BYTES: u64 = 5 * 16;
 
 /// The twin of [`crate::CpuSolver`].
 pub struct GpuSolver {
@@ -78,7 +94,6 @@ pub struct GpuSolver {
     field_values: wgpu::Buffer,
     capsules: Vec<Capsule>,
     settings: SimulationSettings,
-    params: StepParams,
     clock: Clock,
     pose: Pose,
 }
@@ -95,60 +110,46 @@ impl GpuSolver {
         let kernel = kernel_for(gpu, library, settings)?;
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
-        let layers = guides
-            .iter()
-            .map(|&guides| {
-                let rest = Rest::new(guides, obstacles);
-                let n_bytes = 16 * rest.vertices.len() as u64;
-                let storage = wgpu::BufferUsages::STORAGE;
-                Layer {
-                    rest_buffer: gpu.buffer_of("sim.rest", &rest.vertices, storage),
-                    present: gpu.buffer("sim.present", n_bytes, storage),
-                    before_that: gpu.buffer("sim.before_that", n_bytes, storage),
-                    begun: gpu.buffer("sim.begun", n_bytes, storage),
-                    positions: gpu.buffer("sim.positions", n_bytes, storage),
-                    guides: guides.clone(),
-                    rest,
-                }
-            })
-            .collect();
+        let model = |guides: &&GuideSet| SimulatedLayer::new(guides, obstacles, settings, Pose::IDENTITY);
+        let layers = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
         let values = field.map_or(&[][..], |field| &field.values);
-        let mut solver = Self {
+        Ok(Self {
             kernel,
             layers,
             field: field.cloned(),
             field_values: gpu.buffer_of("sim.field_values", values, wgpu::BufferUsages::STORAGE),
             capsules,
-            params: StepParams::new(settings),
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose: Pose::IDENTITY,
             gpu: gpu.clone(),
             library: library.clone(),
-        };
-        solver.reset();
-        Ok(solver)
+        })
     }
 
-    /// The movement goes on with other settings. Fails where a shader that they need does not link.
+    /// The movement goes on with other settings; under another law it starts again from rest. Fails where a shader that
+    /// they need does not link.
     pub fn set_settings(&mut self, settings: &SimulationSettings) -> Result<(), ShaderError> {
-        if self.settings.wind != settings.wind {
+        let is_other_law = self.settings.solver != settings.solver;
+        if is_other_law || self.settings.wind != settings.wind {
             self.kernel = kernel_for(&self.gpu, &self.library, settings)?;
         }
+        let mut are_moved = false;
         if self.settings.colliders != settings.colliders {
             let mut capsules = capsules_of(settings);
             come_from(&mut capsules, &self.capsules);
-            let obstacles = Obstacles::new(self.field.as_ref(), &capsules, settings);
-            if capsules.iter().chain(&self.capsules).any(|capsule| capsule.keeps_rest == 1) {
-                for layer in &mut self.layers {
-                    layer.rest = Rest::new(&layer.guides, obstacles);
-                    self.gpu.queue.write_buffer(&layer.rest_buffer, 0, bytemuck::cast_slice(&layer.rest.vertices));
-                }
-            }
+            are_moved = capsules.iter().chain(&self.capsules).any(|capsule| capsule.keeps_rest == 1);
             self.capsules = capsules;
         }
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, settings);
+        for layer in &mut self.layers {
+            if is_other_law {
+                *layer = Layer::new(&self.gpu, layer.model.under(obstacles, settings, self.pose));
+            } else if layer.model.set_settings(obstacles, are_moved, settings, self.pose) {
+                self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
+            }
+        }
         self.settings = settings.clone();
-        self.params = StepParams::new(settings);
         Ok(())
     }
 
@@ -159,7 +160,7 @@ impl GpuSolver {
 
     /// Record the passing of time; returns the steps taken.
     pub fn advance(&mut self, encoder: &mut wgpu::CommandEncoder, frame_secs: f32) -> Result<usize, ShaderError> {
-        let frame = self.clock.advance(frame_secs, f64::from(self.params.step_secs), self.pose);
+        let frame = self.clock.advance(frame_secs, f64::from(SimulatedLayer::step_secs(&self.settings)), self.pose);
         self.record(encoder, &frame)?;
         if frame.n_steps() > 0 {
             arrive(&mut self.capsules);
@@ -178,9 +179,9 @@ impl GpuSolver {
     /// Back to rest at the present pose. Takes effect before commands that are submitted later.
     pub fn reset(&mut self) {
         self.clock = Clock::new(self.pose);
-        for layer in &self.layers {
-            let x: Vec<Vec4> = layer.rest.vertices.iter().map(|v| self.pose.apply(v.xyz()).extend(0.0)).collect();
-            self.write_layer(layer, &x, &x);
+        for layer in &mut self.layers {
+            layer.model.reset(self.pose);
+            layer.send_state(&self.gpu);
         }
     }
 
@@ -196,28 +197,34 @@ impl GpuSolver {
 
     /// Set the state: positions now and one step ago, world.
     pub fn set_state(&mut self, layer_idx: usize, x: &[Vec3], prev: &[Vec3]) {
-        let extend = |points: &[Vec3]| -> Vec<Vec4> { points.iter().map(|p| p.extend(0.0)).collect() };
-        self.write_layer(&self.layers[layer_idx], &extend(x), &extend(prev));
+        let layer = &mut self.layers[layer_idx];
+        layer.model.reset(self.pose);
+        layer.model.put(x, prev);
+        layer.send_state(&self.gpu);
     }
 
     /// Everything that the solver goes on from, after what was submitted. Waits for the GPU.
     pub fn read_state(&self) -> Result<SolverState, GpuError> {
-        let read = |layer: &Layer| layer.state().map(|buffer| self.read_vertices(layer, buffer));
-        let arrays = self.layers.iter().flat_map(read).collect::<Result<_, _>>()?;
+        let mut arrays = Vec::with_capacity(2 * self.layers.len());
+        for layer in &self.layers {
+            arrays.push(self.read_vec4s(&layer.state, layer.model.state_vec4s().len())?);
+            arrays.push(self.read_vec4s(&layer.positions, layer.model.shown.len())?);
+        }
         Ok(SolverState { clock: self.clock.clone(), pose: self.pose, arrays })
     }
 
-    /// Go on from a state of the same guides; false, and nothing changes, where it is of others. Takes effect before
-    /// commands that are submitted later.
+    /// Go on from a state of the same guides under the same law; false, and nothing changes, where it is of others. Takes
+    /// effect before commands that are submitted later.
     pub fn write_state(&mut self, state: &SolverState) -> bool {
-        if !state.fits(self.layers.iter().flat_map(|layer| [layer.rest.vertices.len(); 4])) {
+        let lengths = self.layers.iter().flat_map(|l| [l.model.state_vec4s().len(), l.model.shown.len()]);
+        if !state.fits(lengths) {
             return false;
         }
         (self.clock, self.pose) = (state.clock.clone(), state.pose);
-        for (buffer, array) in self.layers.iter().flat_map(Layer::state).zip(&state.arrays) {
-            if !array.is_empty() {
-                self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(array));
-            }
+        for (layer, arrays) in self.layers.iter_mut().zip(state.arrays.chunks_exact(2)) {
+            layer.model.set_state_vec4s(&arrays[0]);
+            layer.model.shown.clone_from(&arrays[1]);
+            layer.send_state(&self.gpu);
         }
         true
     }
@@ -225,36 +232,28 @@ impl GpuSolver {
     /// World positions of a layer's guides as of the commands that were submitted. Waits for the GPU.
     pub fn read_positions(&self, layer_idx: usize) -> Result<Vec<Vec4>, GpuError> {
         let layer = &self.layers[layer_idx];
-        self.read_vertices(layer, &layer.positions)
+        self.read_vec4s(&layer.positions, layer.model.shown.len())
     }
 
-    /// A buffer without what it has room for beyond the layer's vertices.
-    fn read_vertices(&self, layer: &Layer, buffer: &wgpu::Buffer) -> Result<Vec<Vec4>, GpuError> {
-        let mut vertices: Vec<Vec4> = self.gpu.read_buffer(buffer)?;
-        vertices.truncate(layer.rest.vertices.len());
-        Ok(vertices)
+    /// A buffer without what it has room for beyond `n`.
+    fn read_vec4s(&self, buffer: &wgpu::Buffer, n: usize) -> Result<Vec<Vec4>, GpuError> {
+        let mut numbers: Vec<Vec4> = self.gpu.read_buffer(buffer)?;
+        numbers.truncate(n);
+        Ok(numbers)
     }
 
     /// All layers at the last step that was submitted. Waits for the GPU: for tests and reports.
     pub fn measure(&self) -> Result<Measure, GpuError> {
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
+        let step_secs = SimulatedLayer::step_secs(&self.settings);
         let mut sum = Measure::default();
         for layer in &self.layers {
-            let x: Vec<Vec4> = self.gpu.read_buffer(&layer.present)?;
-            let prev: Vec<Vec4> = self.gpu.read_buffer(&layer.begun)?;
-            let pose = self.clock.pose_at_step();
-            sum = sum.and(&measure(&layer.rest, obstacles, pose, &x, &prev, self.params.step_secs));
+            let mut now = layer.model.clone();
+            now.set_state_vec4s(&self.read_vec4s(&layer.state, now.state_vec4s().len())?);
+            let (x, begun) = now.places();
+            sum = sum.and(&measure(&now.rest, obstacles, self.clock.pose_at_step(), &x, &begun, step_secs));
         }
         Ok(sum)
-    }
-
-    fn write_layer(&self, layer: &Layer, x: &[Vec4], prev: &[Vec4]) {
-        let buffers = [(&layer.present, x), (&layer.before_that, prev), (&layer.begun, prev), (&layer.positions, x)];
-        for (buffer, contents) in buffers {
-            if !contents.is_empty() {
-                self.gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
-            }
-        }
     }
 
     fn record(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> Result<(), ShaderError> {
@@ -262,13 +261,16 @@ impl GpuSolver {
         let recorded: Vec<(Bindings, u32)> = self
             .layers
             .iter()
-            .filter(|layer| layer.rest.n_guides() > 0 && layer.rest.n_vertices >= 2)
-            .map(|layer| Ok((self.bind(layer, frame)?, layer.rest.n_guides() as u32)))
+            .filter(|layer| layer.model.n_guides() > 0 && layer.model.rest.n_vertices >= 2)
+            .map(|layer| Ok((self.bind(layer, frame)?, layer.model.n_guides() as u32)))
             .collect::<Result<_, ShaderError>>()?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sim.strand"), timestamp_writes: None });
         for (bindings, n_guides) in &recorded {
-            self.kernel.dispatch_items(&mut pass, bindings, *n_guides);
+            match self.settings.solver {
+                Solver::Rods => self.kernel.dispatch_items(&mut pass, bindings, *n_guides),
+                Solver::Chains => self.kernel.dispatch(&mut pass, bindings, grid_1d(*n_guides, 1)),
+            }
         }
         Ok(())
     }
@@ -278,10 +280,9 @@ impl GpuSolver {
         for (slot, &pose) in poses.iter_mut().zip(&frame.poses) {
             *slot = pose.into();
         }
-        let params = Params {
-            step: self.params,
-            n_guides: layer.rest.n_guides() as u32,
-            n_vertices: layer.rest.n_vertices,
+        let params = FrameParams {
+            n_guides: layer.model.n_guides() as u32,
+            n_vertices: layer.model.rest.n_vertices,
             n_steps: frame.n_steps() as u32,
             ahead: frame.ahead,
             carried: u32::from(frame.carry.is_some()),
@@ -291,22 +292,25 @@ impl GpuSolver {
             poses,
         };
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let params = self.gpu.buffer_of("sim.params", &[params], uniform);
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
+        let params = self.gpu.buffer_of("sim.frame", &[params], uniform);
+        // Storage: Mesa's software driver 22.3 crashes on a fourth uniform buffer in a kernel of this size.
+        let law = self.gpu.buffer_of("sim.law", &layer.model.params_bytes(), uniform | wgpu::BufferUsages::STORAGE);
         let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], uniform);
         let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
         let air = self.gpu.buffer_of("sim.air", &[Air::new(&self.settings).params()], uniform);
-        // Still air has no parameters.
+        // A law has its own parameters, and still air has none.
         self.kernel.bind_used(
             &self.gpu,
             &[
-                ("params", params.as_entire_binding()),
+                ("asked", params.as_entire_binding()),
+                ("rod", law.as_entire_binding()),
+                ("chain", law.as_entire_binding()),
                 ("contact", contact.as_entire_binding()),
                 ("air", air.as_entire_binding()),
-                ("rest", layer.rest_buffer.as_entire_binding()),
-                ("present", layer.present.as_entire_binding()),
-                ("before_that", layer.before_that.as_entire_binding()),
-                ("begun", layer.begun.as_entire_binding()),
+                ("rest", layer.rest.as_entire_binding()),
+                ("s", layer.state.as_entire_binding()),
+                ("eliminated", layer.eliminated.as_entire_binding()),
                 ("positions", layer.positions.as_entire_binding()),
                 ("field_values", self.field_values.as_entire_binding()),
                 ("capsules", capsules.as_entire_binding()),
@@ -316,5 +320,9 @@ impl GpuSolver {
 }
 
 fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings) -> Result<Kernel, ShaderError> {
-    library.kernel(gpu, "sim_strand", "advance", &[], &[Link::Slot("sim_air", Air::new(settings).module())])
+    let file = match settings.solver {
+        Solver::Rods => "sim_rod",
+        Solver::Chains => "sim_chain",
+    };
+    library.kernel(gpu, file, "advance", &[], &[Link::Slot("sim_air", Air::new(settings).module())])
 }

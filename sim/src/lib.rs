@@ -1,21 +1,22 @@
 //! Strand dynamics: the CPU reference solver and the GPU solver, side by side.
 //!
-//! Guides are Verlet chains with their first two vertices fixed to the head. [`strand`] is the law of one
-//! strand over one step, and `sim_strand.wgsl` its twin with the same names in the same order. [`clock`] cuts
-//! frames into steps of one length, [`contact`] keeps hair out of head and colliders, [`air`] is the wind, and [`measure`]
-//! says how well the laws are kept.
+//! A strand moves by one of two laws: [`rod`], which `sim_rod.wgsl` follows function by function, and the references'
+//! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`clock`] cuts frames into steps of one length, [`contact`]
+//! keeps hair out of head and colliders, [`air`] is the wind, and [`measure`] says how well the laws are kept.
 
 pub mod air;
 pub mod bench;
+pub mod chain;
 pub mod clock;
 pub mod contact;
 pub mod cpu;
 pub mod gpu;
+pub mod layer;
 pub mod measure;
 pub mod pose;
 pub mod rest;
+pub mod rod;
 pub mod state;
-pub mod strand;
 
 pub use cpu::CpuSolver;
 pub use gpu::GpuSolver;

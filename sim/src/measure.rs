@@ -5,7 +5,7 @@ use glam::{Vec4, Vec4Swizzles};
 use crate::contact::Obstacles;
 use crate::pose::Pose;
 use crate::rest::Rest;
-use crate::strand::N_PINNED;
+use crate::rod::N_PINNED;
 
 /// One layer, or several taken together with [`Measure::and`].
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,12 +8,22 @@ use serde::{Deserialize, Serialize};
 
 use crate::camera::direction_from_deg;
 use crate::collider::Collider;
-use crate::look::{Choice, ChoiceInfo, Slot, choices, integer, number};
+use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices, integer, number};
 
 choices! {
-    /// What moves the strands.
+    /// The law by which a strand moves.
     Solver {
-        Guides = "guides", "Guide chains", "Verlet chains for the guides; strands follow by interpolation";
+        #[serde(alias = "Guides")]
+        Rods = "rods", "Rods", "Exact length, bending and twist that no step or iteration changes; the style rests without sagging";
+        Chains = "chains", "Chains", "Verlet chains with length and shape constraints in batches, as games have them: softer with fewer iterations, and long hair stretches";
+    }
+}
+
+choices! {
+    /// What the style is.
+    RestShape {
+        Hanging = "hanging", "As it hangs", "Under gravity: the style stays as it is while the head is still";
+        Weightless = "weightless", "Without weight", "As it would be without gravity: it sags when time starts";
     }
 }
 
@@ -50,6 +60,13 @@ pub struct SimulationSettings {
     /// Bending stiffness as a length in centimetres: about how far a lock reaches out sideways before its
     /// own weight bends it down. 5 is a single human hair.
     pub bend_length: f32,
+    /// Time over which bending loses its speed, seconds: what stills quiver and leaves the swing alone.
+    pub bend_damping: f32,
+    /// As `damping`, for movement along the strand.
+    pub damping_along: f32,
+    pub rest_shape: RestShape,
+    /// Share of a vertex's distance from its local shape that an iteration of chains takes away, 0-1.
+    pub shape: f32,
     /// How fast a displaced root springs back to the style, Hz: what spray, clips and neighbours do.
     pub hold: f32,
     /// Distance along the strand over which the hold falls to 1/e, centimetres.
@@ -76,13 +93,17 @@ pub struct SimulationSettings {
 impl Default for SimulationSettings {
     fn default() -> Self {
         Self {
-            solver: Solver::Guides,
+            solver: Solver::Rods,
             wind: Wind::Uniform,
             steps_per_second: 240.0,
-            n_iterations: 1,
+            n_iterations: 3,
             gravity: 981.0,
             damping: 1.5,
-            bend_length: 1.5,
+            bend_length: 2.5,
+            bend_damping: 0.003,
+            damping_along: 1.5,
+            rest_shape: RestShape::Hanging,
+            shape: 0.2,
             hold: 3.0,
             hold_length: 3.0,
             wind_azimuth_deg: 90.0,
@@ -119,6 +140,8 @@ impl SimulationSettings {
     /// All settings as slots, for the panel, `--set` and `lorelei looks`.
     pub fn slots(&mut self) -> Vec<Slot<'_>> {
         const BLOWS: &[&str] = &["uniform"];
+        const RODS: &[&str] = &["rods"];
+        const CHAINS: &[&str] = &["chains"];
         let solver = vec![
             number("sim.gravity", "Gravity", "cm/s\u{b2}", (0.0, 4000.0), &mut self.gravity, &[], "981 on Earth"),
             number(
@@ -131,13 +154,50 @@ impl SimulationSettings {
                 "How quickly hair comes to rest on the head",
             ),
             number(
+                "sim.damping_along",
+                "Damping along",
+                "1/s",
+                (0.0, 20.0),
+                &mut self.damping_along,
+                RODS,
+                "Likewise, of movement along the hair",
+            ),
+            number(
                 "sim.bend_length",
                 "Stiffness",
                 "cm",
                 (0.0, 30.0),
                 &mut self.bend_length,
-                &[],
+                RODS,
                 "How far a lock reaches out before its weight bends it: 1 soft, 5 wiry, 20 bristle",
+            ),
+            number(
+                "sim.bend_damping",
+                "Bend damping",
+                "s",
+                (0.0, 0.2),
+                &mut self.bend_damping,
+                RODS,
+                "Time over which bending loses its speed: stills quiver and bounce",
+            ),
+            Param {
+                key: "sim.rest".to_owned(),
+                label: "The style is",
+                unit: "",
+                min: 0.0,
+                max: 1.0,
+                help: "Whether the style is what hangs under gravity",
+                of: RODS,
+                value: ParamValue::Choice(&mut self.rest_shape),
+            },
+            number(
+                "sim.shape",
+                "Shape",
+                "",
+                (0.0, 1.0),
+                &mut self.shape,
+                CHAINS,
+                "How much of its local shape a strand finds back in each iteration",
             ),
             number(
                 "sim.hold",
@@ -183,7 +243,7 @@ impl SimulationSettings {
                 (1, 32),
                 &mut self.n_iterations,
                 &[],
-                "Constraint iterations a step",
+                "Of contacts, and of chains' lengths and shape, in a step",
             ),
         ];
         let wind = vec![

@@ -1,0 +1,190 @@
+//! Chains: the law of one strand over one step as the references have it. Twin of `sim_chain.wgsl`: same names, same order.
+//!
+//! Vertices are equal masses, integrated by Verlet's rule and then corrected in position, iteration by iteration (SIGGRAPH
+//! 2010 course on real-time hair, "one simulation step"; Chen 2014, 3.2; the Nalu demo): lengths in two batches whose edges
+//! share no vertex, angular constraints towards the local shape at rest, contacts. Every vertex of a batch can be moved at
+//! once, so on the GPU a workgroup takes a strand and a thread a vertex.
+//!
+//! It is what it is: a pull spreads by two vertices an iteration, so long chains stretch when shaken; stiffness depends on
+//! iterations and step; and the style sags where the shape is weak. Rods are the default for those reasons.
+
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::simulation::SimulationSettings;
+
+use crate::air::Air;
+use crate::bounded;
+use crate::contact::Obstacles;
+use crate::pose::{Pose, normalize_or_zero, rotate, shortest_turn};
+use crate::rod::N_PINNED;
+
+/// Distance from the root at which hair feels half of the wind, cm.
+const SHELTER: f32 = 4.0;
+/// Faster hair is not seen, only missed: cm/s.
+const MAX_SPEED: f32 = 3000.0;
+
+/// [`SimulationSettings`] made ready for steps. Layout of `ChainParams` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct ChainParams {
+    /// Displacement by gravity in a step, cm.
+    pub gravity_step: [f32; 3],
+    pub step_secs: f32,
+    /// Share of the velocity relative to the head that a step keeps.
+    pub keep: f32,
+    /// Share of the air's velocity that a step takes up.
+    pub take_up: f32,
+    /// Share of the distance from the local shape that an iteration takes away.
+    pub shape: f32,
+    /// Hold at the root times the step squared.
+    pub hold: f32,
+    /// cm.
+    pub hold_length: f32,
+    pub n_iterations: u32,
+    pub pad: [u32; 2],
+}
+
+impl ChainParams {
+    /// Settings from a file can be anything: what is not finite becomes the default, the rest is bounded.
+    pub fn new(settings: &SimulationSettings) -> Self {
+        let default = SimulationSettings::default();
+        let dt = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
+        let gravity = bounded(settings.gravity, default.gravity, -1e4, 1e4);
+        let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
+        Self {
+            gravity_step: [0.0, -gravity * dt * dt, 0.0],
+            step_secs: dt,
+            keep: (-bounded(settings.damping, default.damping, 0.0, 1e3) * dt).exp(),
+            take_up: 1.0 - (-bounded(settings.drag, default.drag, 0.0, 1e3) * dt).exp(),
+            shape: bounded(settings.shape, default.shape, 0.0, 1.0),
+            hold: hold * hold * dt * dt,
+            hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
+            n_iterations: settings.n_iterations.clamp(1, 64),
+            pad: [0; 2],
+        }
+    }
+}
+
+/// State of one vertex. Layout of `ChainVertex` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct ChainVertex {
+    /// World, cm.
+    pub x: Vec4,
+    /// A step ago; a contact moves it where it takes velocity.
+    pub prev: Vec4,
+    /// Where the last step began.
+    pub begun: Vec4,
+}
+
+/// At rest on a head at `pose`.
+pub fn at_rest(place: Vec4, pose: Pose) -> ChainVertex {
+    let x = pose.apply(place.xyz()).extend(0.0);
+    ChainVertex { x, prev: x, begun: x }
+}
+
+/// Move everything rigidly.
+pub fn carry(s: &mut [ChainVertex], carry: Pose) {
+    let moved = |x: Vec4| carry.apply(x.xyz()).extend(0.0);
+    for vertex in s {
+        *vertex = ChainVertex { x: moved(vertex.x), prev: moved(vertex.prev), begun: moved(vertex.begun) };
+    }
+}
+
+/// One step: the head goes from `before` to `after`. `rest`: xyz head space, w the distance from the obstacles at rest.
+pub fn step_chain(
+    s: &mut [ChainVertex],
+    rest: &[Vec4],
+    p: &ChainParams,
+    air: Air,
+    obstacles: Obstacles<'_>,
+    before: Pose,
+    after: Pose,
+) {
+    integrate(s, rest, p, air, before, after);
+    for _ in 0..p.n_iterations {
+        lengths(s, rest, 0);
+        lengths(s, rest, 1);
+        angles(s, rest, p, after);
+        for k in N_PINNED..s.len() {
+            let along = k as f32 / (s.len() - 1) as f32;
+            let (x, prev) = obstacles.collide(s[k].x.xyz(), s[k].prev.xyz(), rest[k].w, along, before, after);
+            s[k].x = x.extend(0.0);
+            s[k].prev = prev.extend(0.0);
+        }
+    }
+    recover(s, rest, after);
+}
+
+/// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
+fn integrate(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, air: Air, before: Pose, after: Pose) {
+    let carry = after.after_inverse_of(&before);
+    let mut from_root = 0.0;
+    for k in 0..s.len() {
+        let x = s[k].x.xyz();
+        if k > 0 {
+            from_root += rest[k].xyz().distance(rest[k - 1].xyz());
+        }
+        let styled = after.apply(rest[k].xyz());
+        let mut moved = styled;
+        if k >= N_PINNED {
+            let with_head = carry.apply(x) - x;
+            let mut v = with_head + p.keep * (x - s[k].prev.xyz() - with_head);
+            let exposed = from_root / (from_root + SHELTER);
+            v += p.take_up * (exposed * p.step_secs * air.velocity(x) - v);
+            moved = x + clamp_length(v, MAX_SPEED * p.step_secs) + Vec3::from_array(p.gravity_step);
+            let stiffness = p.hold * (-from_root / p.hold_length).exp();
+            moved += (styled - moved) * (stiffness / (1.0 + stiffness));
+        }
+        s[k].prev = s[k].x;
+        s[k].x = moved.extend(0.0);
+    }
+}
+
+/// Lengths of every second edge: the edges of one batch share no vertex.
+fn lengths(s: &mut [ChainVertex], rest: &[Vec4], batch: usize) {
+    for k in (N_PINNED + batch..s.len()).step_by(2) {
+        let edge = s[k].x.xyz() - s[k - 1].x.xyz();
+        let error = edge.length() - rest[k].xyz().distance(rest[k - 1].xyz());
+        let w_below = if k - 1 < N_PINNED { 0.0 } else { 1.0 };
+        let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
+        s[k - 1].x += (w_below * correction).extend(0.0);
+        s[k].x -= correction.extend(0.0);
+    }
+}
+
+/// Towards the local shape: each vertex to where the turn of the edge two below would take it. All at once, from where they
+/// were before.
+fn angles(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, after: Pose) {
+    let (mut below, mut joint) = (Vec3::ZERO, Vec3::ZERO);
+    for k in 0..s.len() {
+        let x = s[k].x.xyz();
+        if k >= N_PINNED {
+            let rest_below = rotate(after.rotation, rest[k - 1].xyz() - rest[k - 2].xyz());
+            let rest_edge = rotate(after.rotation, rest[k].xyz() - rest[k - 1].xyz());
+            let target = joint + rotate(shortest_turn(rest_below, joint - below), rest_edge);
+            s[k].x = (x + p.shape * (target - x)).extend(0.0);
+        }
+        below = joint;
+        joint = x;
+    }
+}
+
+/// A strand that is not finite starts again from rest.
+fn recover(s: &mut [ChainVertex], rest: &[Vec4], after: Pose) {
+    let mut sum = 0.0;
+    for vertex in s.iter() {
+        sum += (vertex.x.xyz() - vertex.prev.xyz()).abs().element_sum();
+    }
+    // False for NaN and infinity too.
+    if sum < 1e15 {
+        return;
+    }
+    for (vertex, &place) in s.iter_mut().zip(rest) {
+        *vertex = at_rest(place, after);
+    }
+}
+
+fn clamp_length(v: Vec3, max: f32) -> Vec3 {
+    let length = v.length();
+    if length > max { v * (max / length) } else { v }
+}

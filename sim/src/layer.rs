@@ -1,0 +1,247 @@
+//! One layer of guides under the law that moves it: what is fixed at bind time, and the state. CPU and GPU solver keep the
+//! same numbers in the same order, so that either goes on from the other's.
+
+use glam::{Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::guides::GuideSet;
+use lorelei_core::simulation::{RestShape, SimulationSettings, Solver};
+use rayon::prelude::*;
+
+use crate::air::Air;
+use crate::chain::{self, ChainParams, ChainVertex, step_chain};
+use crate::clock::Frame;
+use crate::contact::Obstacles;
+use crate::pose::Pose;
+use crate::rest::Rest;
+use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodRest, RodVertex, step_rod};
+
+/// Guides, and how they move.
+#[derive(Debug, Clone)]
+pub struct SimulatedLayer {
+    guides: GuideSet,
+    pub rest: Rest,
+    law: Law,
+    /// What the picture shows: vertex `k` of guide `g` at `g * n_vertices + k`.
+    pub shown: Vec<Vec4>,
+}
+
+#[derive(Debug, Clone)]
+enum Law {
+    Rods { params: RodParams, is_weightless: bool, rest: Vec<RodRest>, state: Vec<RodVertex> },
+    Chains { params: ChainParams, state: Vec<ChainVertex> },
+}
+
+impl SimulatedLayer {
+    /// At rest on a head at `pose`.
+    pub fn new(guides: &GuideSet, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
+        let rest = Rest::new(guides, obstacles);
+        let law = Law::new(&rest, settings, pose);
+        let mut layer = Self { guides: guides.clone(), rest, law, shown: Vec::new() };
+        layer.reset(pose);
+        layer
+    }
+
+    /// The movement goes on with other settings; true where what is fixed is another: what [`SimulatedLayer::rest_vec4s`]
+    /// and the state hold. With `are_moved` the obstacles are not where they were.
+    pub fn set_settings(
+        &mut self,
+        obstacles: Obstacles<'_>,
+        are_moved: bool,
+        settings: &SimulationSettings,
+        pose: Pose,
+    ) -> bool {
+        let is_same_law = match &mut self.law {
+            Law::Rods { params, is_weightless, .. } => {
+                let new = RodParams::new(settings);
+                let is_same = settings.solver == Solver::Rods
+                    && *is_weightless == (settings.rest_shape == RestShape::Weightless)
+                    && params.bend == new.bend
+                    && params.gravity == new.gravity;
+                *params = new;
+                is_same
+            }
+            Law::Chains { params, .. } => {
+                *params = ChainParams::new(settings);
+                settings.solver == Solver::Chains
+            }
+        };
+        if is_same_law && !are_moved {
+            return false;
+        }
+        self.rest = Rest::new(&self.guides, obstacles);
+        let before = std::mem::replace(&mut self.law, Law::new(&self.rest, settings, pose));
+        match (&mut self.law, before) {
+            (Law::Rods { state, .. }, Law::Rods { state: before, .. }) => *state = before,
+            (Law::Chains { state, .. }, Law::Chains { state: before, .. }) => *state = before,
+            (Law::Rods { .. }, Law::Chains { state: before, .. }) => {
+                let of = |x: fn(&ChainVertex) -> Vec4| before.iter().map(|v| x(v).xyz()).collect::<Vec<_>>();
+                self.put(&of(|v| v.x), &of(|v| v.prev));
+            }
+            (Law::Chains { .. }, Law::Rods { state: before, .. }) => {
+                let of = |x: fn(&RodVertex) -> Vec4| before.iter().map(|v| x(v).xyz()).collect::<Vec<_>>();
+                self.put(&of(|v| v.x), &of(|v| v.prev));
+            }
+        }
+        true
+    }
+
+    /// The same guides at rest under another law.
+    pub fn under(&self, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
+        Self::new(&self.guides, obstacles, settings, pose)
+    }
+
+    /// Back to rest on a head at `pose`.
+    pub fn reset(&mut self, pose: Pose) {
+        match &mut self.law {
+            Law::Rods { rest, state, .. } => *state = rest.iter().map(|rest| rod::at_rest(rest, pose)).collect(),
+            Law::Chains { state, .. } => {
+                *state = self.rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
+            }
+        }
+        self.shown = self.rest.vertices.iter().map(|place| pose.apply(place.xyz()).extend(0.0)).collect();
+    }
+
+    /// Set the state: positions now and one step ago, world.
+    pub fn put(&mut self, x: &[Vec3], prev: &[Vec3]) {
+        let n = self.rest.n_vertices.max(1) as usize;
+        match &mut self.law {
+            Law::Rods { rest, state, .. } => {
+                let strands = state.chunks_mut(n).zip(rest.chunks(n)).zip(x.chunks(n).zip(prev.chunks(n)));
+                strands.for_each(|((s, rest), (x, prev))| rod::put(s, rest, x, prev));
+            }
+            Law::Chains { state, .. } => {
+                for (vertex, (x, prev)) in state.iter_mut().zip(x.iter().zip(prev)) {
+                    let prev = prev.extend(0.0);
+                    *vertex = ChainVertex { x: x.extend(0.0), prev, begun: prev };
+                }
+            }
+        }
+        self.shown = x.iter().map(|x| x.extend(0.0)).collect();
+    }
+
+    /// Where vertices are after the last step, and where they were before it.
+    pub fn places(&self) -> (Vec<Vec4>, Vec<Vec4>) {
+        match &self.law {
+            Law::Rods { state, .. } => state.iter().map(|v| (v.x, v.begun)).unzip(),
+            Law::Chains { state, .. } => state.iter().map(|v| (v.x, v.begun)).unzip(),
+        }
+    }
+
+    pub fn n_guides(&self) -> usize {
+        self.rest.n_guides()
+    }
+
+    /// Seconds a step.
+    pub fn step_secs(settings: &SimulationSettings) -> f32 {
+        RodParams::new(settings).step_secs
+    }
+
+    /// Bytes of the parameters, of what is fixed, and of the state, as the GPU reads them.
+    pub(crate) fn params_bytes(&self) -> Vec<u8> {
+        match &self.law {
+            Law::Rods { params, .. } => bytemuck::bytes_of(params).to_vec(),
+            Law::Chains { params, .. } => bytemuck::bytes_of(params).to_vec(),
+        }
+    }
+
+    pub(crate) fn rest_vec4s(&self) -> &[Vec4] {
+        match &self.law {
+            Law::Rods { rest, .. } => bytemuck::cast_slice(rest),
+            Law::Chains { .. } => &self.rest.vertices,
+        }
+    }
+
+    pub(crate) fn state_vec4s(&self) -> &[Vec4] {
+        match &self.law {
+            Law::Rods { state, .. } => bytemuck::cast_slice(state),
+            Law::Chains { state, .. } => bytemuck::cast_slice(state),
+        }
+    }
+
+    /// Take over a state of [`SimulatedLayer::state_vec4s`]' length.
+    pub(crate) fn set_state_vec4s(&mut self, numbers: &[Vec4]) {
+        match &mut self.law {
+            Law::Rods { state, .. } => state.copy_from_slice(bytemuck::cast_slice(numbers)),
+            Law::Chains { state, .. } => state.copy_from_slice(bytemuck::cast_slice(numbers)),
+        }
+    }
+
+    /// All of a frame's steps. Twin of the entry points of `sim_rod.wgsl` and `sim_chain.wgsl`.
+    pub(crate) fn run(&mut self, air: Air, obstacles: Obstacles<'_>, frame: &Frame) {
+        let n = self.rest.n_vertices as usize;
+        if n < N_PINNED {
+            return;
+        }
+        let places = self.rest.vertices.par_chunks_exact(n);
+        let shown = self.shown.par_chunks_exact_mut(n);
+        match &mut self.law {
+            Law::Rods { params, rest, state, .. } => {
+                let strands = state.par_chunks_exact_mut(n).zip(rest.par_chunks_exact(n)).zip(places.zip(shown));
+                strands.for_each_init(
+                    || vec![Eliminated::default(); n],
+                    |eliminated, ((s, rest), (places, shown))| {
+                        if let Some(by) = frame.carry {
+                            rod::carry(s, by);
+                        }
+                        for (step, poses) in frame.poses.windows(2).enumerate() {
+                            let obstacles = obstacles.at_step(step, frame.n_steps());
+                            for vertex in s.iter_mut() {
+                                vertex.begun = vertex.x;
+                            }
+                            step_rod(s, rest, params, air, obstacles, poses[0], poses[1], eliminated);
+                        }
+                        show(shown, places, frame, |k| (s[k].x, s[k].begun));
+                    },
+                );
+            }
+            Law::Chains { params, state } => {
+                let strands = state.par_chunks_exact_mut(n).zip(places.zip(shown));
+                strands.for_each(|(s, (places, shown))| {
+                    if let Some(by) = frame.carry {
+                        chain::carry(s, by);
+                    }
+                    for (step, poses) in frame.poses.windows(2).enumerate() {
+                        let obstacles = obstacles.at_step(step, frame.n_steps());
+                        for vertex in s.iter_mut() {
+                            vertex.begun = vertex.x;
+                        }
+                        step_chain(s, places, params, air, obstacles, poses[0], poses[1]);
+                    }
+                    show(shown, places, frame, |k| (s[k].x, s[k].begun));
+                });
+            }
+        }
+    }
+}
+
+impl Law {
+    /// Without a state yet.
+    fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose) -> Self {
+        let n = rest.n_vertices.max(1) as usize;
+        match settings.solver {
+            Solver::Rods => {
+                let params = RodParams::new(settings);
+                let is_weightless = settings.rest_shape == RestShape::Weightless;
+                let rest: Vec<RodRest> = rest
+                    .vertices
+                    .par_chunks(n)
+                    .flat_map_iter(|places| rod::rest_of(places, &params, is_weightless))
+                    .collect();
+                let state = rest.iter().map(|rest| rod::at_rest(rest, pose)).collect();
+                Self::Rods { params, is_weightless, rest, state }
+            }
+            Solver::Chains => {
+                let state = rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
+                Self::Chains { params: ChainParams::new(settings), state }
+            }
+        }
+    }
+}
+
+/// The picture is up to a step ahead of the last step: go on at the present velocity, roots with the head.
+fn show(shown: &mut [Vec4], places: &[Vec4], frame: &Frame, at: impl Fn(usize) -> (Vec4, Vec4)) {
+    for (k, shown) in shown.iter_mut().enumerate() {
+        let (x, begun) = at(k);
+        let ahead = x.xyz() + frame.ahead * (x.xyz() - begun.xyz());
+        *shown = if k < N_PINNED { frame.shown.apply(places[k].xyz()) } else { ahead }.extend(0.0);
+    }
+}

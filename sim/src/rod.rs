@@ -1,0 +1,510 @@
+//! Rods: the law of one strand over one step, exact in length and implicit in everything stiff. Twin of `sim_rod.wgsl`:
+//! same names, same order.
+//!
+//! A strand is a chain of straight edges, each with an orthonormal frame whose third axis is the edge. The unknowns of a
+//! step are the rotations omega of the edges, not the places of the vertices: so lengths are exact whatever happens, and
+//! twist is there. One Newton step of implicit Euler minimises the quadratic
+//!
+//!     sum_j  1/2 d_j |dx_j|^2 - r_j . dx_j                          inertia, damping, drag, hold, gravity
+//!   + sum_k  1/2 beta_k |omega_k - omega_k-1|^2 + h^2 M_k . (omega_k - omega_k-1)    bending and twist
+//!
+//! with dx_k+1 = dx_k + omega_k x e_k. It is solved exactly in two sweeps: from tip to root every edge is eliminated, which
+//! leaves an articulated inertia (Featherstone 1983) of what is above; from root to tip the rotations follow. Therefore
+//! nothing depends on iterations, stiffness costs nothing, and no step is too long: a cantilever hangs as the elastica
+//! does at 30 steps a second as at 960, with 16 vertices as with 64 (sim/tests/solver/laws.rs).
+//!
+//! **Bending and twist.** The energy of joint k is 4 B/l (1 - w), where w is the real part of the rotation by which the
+//! joint differs from its rest: B/l theta^2 / 2 for small angles theta, and a moment that grows up to half a turn. Twist is
+//! as stiff as bending (of a solid fibre it is 1 / (1 + Poisson's ratio) = 0.7 of it), so that the energy knows no axis
+//! and its second derivative is bounded by beta = h^2 B/l in every direction.
+//!
+//! **Tension.** Transverse waves of a taut strand are stiff too. Their second derivative, (N . e)(I - t t^T) for the force
+//! N in an edge, is added from the forces and the accelerations of the step before.
+//!
+//! **Rest without sag.** The style is what hair looks like *under* gravity. At bind time every joint is given the rest
+//! rotation whose moment carries the weight beyond it: M_k = M_k+1 + e_k x N_k, from tip to root, exactly. Where a joint
+//! would have to be bent farther than hair can be relied on to hold (`SELF_SUPPORT`), the rest is carried by a force on the
+//! next vertex that turns with the head: what scalp, neighbours and product do. Without that bound a soft lock that is
+//! styled sideways is balanced on a knife's edge, and the first shake brings it down for good (measured).
+//!
+//! Rejected after trying: positions with multipliers of length (XPBD, or one banded system with the lengths): in 32 bits
+//! the product of a stiff length and a stiff bend leaves no digits for the inertia, and 64 vertices in 10 cm explode;
+//! bending solved apart from lengths: equilibria then depend on the step, and curls on the split.
+
+use glam::{Mat3, Quat, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::simulation::SimulationSettings;
+
+use crate::air::Air;
+use crate::bounded;
+use crate::contact::Obstacles;
+use crate::pose::{Pose, rotate, shortest_turn};
+
+/// Vertices at the root that follow the head: the root, and the next one for the growing direction.
+pub const N_PINNED: usize = 2;
+/// Shortest edge for masses and stiffness, cm.
+const MIN_EDGE: f32 = 0.01;
+/// Most that a joint bends by itself to carry weight at rest, as a curvature times the bending length.
+const SELF_SUPPORT: f32 = 0.5;
+/// Largest half of a joint's moment over its stiffness: beyond, the rotation that carries it does not exist.
+const MOST_MOMENT: f32 = 0.8;
+/// Distance from the root at which hair feels half of the wind, cm: it lies in the lee of its neighbours there.
+const SHELTER: f32 = 4.0;
+/// Drag along a slender body over that across it (slender-body theory).
+const DRAG_ALONG: f32 = 0.5;
+/// Times its length, where the hold has faded to a thousandth and ends.
+const HOLD_ENDS: f32 = 7.0;
+/// Times that a strand which is held is closed from both ends.
+const REACHES: usize = 8;
+/// An edge stretched by an obstacle to this many times its length is held.
+const HELD: f32 = 1.2;
+/// Faster hair is not seen, only missed: cm/s.
+const MAX_SPEED: f32 = 3000.0;
+/// Most that an edge turns relative to the head in a step, radians.
+const MAX_TURN: f32 = 1.0;
+/// Turns below this are rounding, not movement (measured at rest: 3e-7), radians a step.
+const STILL: f32 = 2e-6;
+/// Turns below this, as near as this to the style, end in the style: hair at rest stays to the last bit. Radians, and cm.
+const AT_REST: f32 = 2e-5;
+/// Twist inertia over that of bending: keeps the tip's twist determined.
+const SPIN: f32 = 1e-3;
+/// Standard gravity, by which `bend_length` becomes a stiffness; not the scene's gravity, cm/s2.
+const STANDARD_GRAVITY: f32 = 981.0;
+
+/// [`SimulationSettings`] made ready for steps: finite and bounded. Layout of `RodParams` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct RodParams {
+    /// cm/s2.
+    pub gravity: [f32; 3],
+    pub step_secs: f32,
+    /// Bending stiffness over mass a centimetre, cm4/s2.
+    pub bend: f32,
+    /// Time over which bending is damped, s.
+    pub bend_damping: f32,
+    /// Of the velocity relative to the head, across and along the hair, 1/s.
+    pub damping: f32,
+    pub damping_along: f32,
+    /// By the air, across the hair, 1/s.
+    pub drag: f32,
+    /// Stiffness of the hold at the root over mass, 1/s2.
+    pub hold: f32,
+    /// cm.
+    pub hold_length: f32,
+    /// Corrections of a contact in a step.
+    pub n_iterations: u32,
+}
+
+impl RodParams {
+    /// Settings from a file can be anything: what is not finite becomes the default, the rest is bounded.
+    pub fn new(settings: &SimulationSettings) -> Self {
+        let default = SimulationSettings::default();
+        let step_secs = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
+        let bend_length = bounded(settings.bend_length, default.bend_length, 0.0, 100.0);
+        let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
+        Self {
+            gravity: [0.0, -bounded(settings.gravity, default.gravity, -1e4, 1e4), 0.0],
+            step_secs,
+            // A lock of length l under its own weight bends by about 1 where l^3 g = B: B = g l^3.
+            bend: STANDARD_GRAVITY * bend_length.powi(3),
+            bend_damping: bounded(settings.bend_damping, default.bend_damping, 0.0, 1.0),
+            damping: bounded(settings.damping, default.damping, 0.0, 1e3),
+            damping_along: bounded(settings.damping_along, default.damping_along, 0.0, 1e3),
+            drag: bounded(settings.drag, default.drag, 0.0, 1e3),
+            hold: hold * hold,
+            hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
+            n_iterations: settings.n_iterations.clamp(1, 64),
+        }
+    }
+}
+
+/// What does not change while a strand moves. Layout of `RodRest` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct RodRest {
+    /// xyz head space, w the distance from the obstacles at rest.
+    pub place: Vec4,
+    /// Frame of the edge above, head space; the tip has none.
+    pub frame: Quat,
+    /// Rotation of the joint in which it has no moment.
+    pub joint: Quat,
+    /// xyz what carries the vertex beside its own strand, head space, cm/s2; w length of the edge above, cm.
+    pub support: Vec4,
+}
+
+/// Make one strand of [`Rest`](crate::rest::Rest) ready. The style is the shape under gravity; where `is_weightless` it is the
+/// shape without.
+pub fn rest_of(places: &[Vec4], p: &RodParams, is_weightless: bool) -> Vec<RodRest> {
+    let n_edges = places.len().saturating_sub(1);
+    let edge = |k: usize| places[k + 1].xyz() - places[k].xyz();
+    let mut rest: Vec<RodRest> =
+        places.iter().map(|&place| RodRest { place, joint: Quat::IDENTITY, ..RodRest::default() }).collect();
+    let mut frame = Quat::IDENTITY;
+    for k in 0..n_edges {
+        // The smallest turn from edge to edge: frames without twist.
+        frame = (shortest_turn(rotate(frame, Vec3::Z), edge(k)) * frame).normalize();
+        rest[k].frame = frame;
+        rest[k].support.w = edge(k).length();
+    }
+    let bend_length = (p.bend / STANDARD_GRAVITY).cbrt();
+    let (mut moment, mut load) = (Vec3::ZERO, Vec3::ZERO);
+    for k in (1..n_edges).rev() {
+        let stiff = p.bend / joint_length(&rest, k);
+        let most = 2.0 * MOST_MOMENT * stiff;
+        let e = edge(k);
+        if !is_weightless {
+            load += mass(&rest, k + 1) * Vec3::from_array(p.gravity);
+            let needed = moment + e.cross(load);
+            let held = clamp_length(needed, (SELF_SUPPORT * p.bend / bend_length.max(MIN_EDGE)).min(most));
+            let carried = -(needed - held).cross(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE);
+            load += carried;
+            let support = carried / mass(&rest, k + 1);
+            rest[k + 1].support = support.extend(rest[k + 1].support.w);
+            moment = clamp_length(moment + e.cross(load), most);
+        }
+        let v = rotate(rest[k].frame.conjugate(), moment) / (2.0 * stiff.max(f32::MIN_POSITIVE));
+        let deviation = Quat::from_xyzw(v.x, v.y, v.z, (1.0 - v.length_squared()).max(0.0).sqrt());
+        rest[k].joint = (rest[k - 1].frame.conjugate() * rest[k].frame * deviation.conjugate()).normalize();
+    }
+    rest
+}
+
+/// Length of hair whose bending joint `k` stands for, cm. The first is clamped by the head on one side.
+fn joint_length(rest: &[RodRest], k: usize) -> f32 {
+    let below = if k == 1 { 0.0 } else { rest[k - 1].support.w };
+    (0.5 * (below + rest[k].support.w)).max(MIN_EDGE)
+}
+
+/// Length of hair whose mass vertex `k` stands for, cm: mass is told in centimetres of hair.
+fn mass(rest: &[RodRest], k: usize) -> f32 {
+    (0.5 * (rest[k - 1].support.w + rest[k].support.w)).max(MIN_EDGE)
+}
+
+/// State of one vertex. Layout of `RodVertex` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct RodVertex {
+    /// World, cm.
+    pub x: Vec4,
+    /// A step ago; a contact moves it where it takes velocity.
+    pub prev: Vec4,
+    /// Where the last step began.
+    pub begun: Vec4,
+    /// Of the edge above, world.
+    pub frame: Quat,
+    /// Over the last step, cm/s2.
+    pub acceleration: Vec4,
+}
+
+/// At rest on a head at `pose`.
+pub fn at_rest(rest: &RodRest, pose: Pose) -> RodVertex {
+    let x = pose.apply(rest.place.xyz()).extend(0.0);
+    let frame = (pose.rotation * rest.frame).normalize();
+    RodVertex { x, prev: x, begun: x, frame, acceleration: Vec4::ZERO }
+}
+
+/// Put a strand to given places, as little twisted against rest as they allow.
+pub fn put(s: &mut [RodVertex], rest: &[RodRest], x: &[Vec3], prev: &[Vec3]) {
+    for k in 0..s.len() {
+        s[k].x = x[k].extend(0.0);
+        s[k].prev = prev[k].extend(0.0);
+        s[k].begun = s[k].prev;
+        s[k].acceleration = Vec4::ZERO;
+    }
+    for k in 1..s.len().saturating_sub(1) {
+        let frame = (s[k - 1].frame * rest[k - 1].frame.conjugate() * rest[k].frame).normalize();
+        s[k].frame = (shortest_turn(rotate(frame, Vec3::Z), x[k + 1] - x[k]) * frame).normalize();
+    }
+}
+
+/// Move everything rigidly.
+pub fn carry(s: &mut [RodVertex], carry: Pose) {
+    let moved = |x: Vec4| carry.apply(x.xyz()).extend(0.0);
+    for vertex in s {
+        vertex.x = moved(vertex.x);
+        vertex.prev = moved(vertex.prev);
+        vertex.begun = moved(vertex.begun);
+        vertex.frame = (carry.rotation * vertex.frame).normalize();
+    }
+}
+
+/// What the sweep to the root leaves for the sweep to the tip: omega_k = gain omega_k-1 - turn - lever dx_k.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Eliminated {
+    gain: Mat3,
+    lever: Mat3,
+    turn: Vec3,
+}
+
+/// One step: the head goes from `before` to `after`.
+pub fn step_rod(
+    s: &mut [RodVertex],
+    rest: &[RodRest],
+    p: &RodParams,
+    air: Air,
+    obstacles: Obstacles<'_>,
+    before: Pose,
+    after: Pose,
+    eliminated: &mut [Eliminated],
+) {
+    carry_along(s, rest, before, after);
+    sweep_to_root(s, rest, p, air, before, after, eliminated);
+    sweep_to_tip(s, rest, p, after, eliminated);
+    if collide(s, rest, obstacles, before, after) {
+        close_lengths(s, rest, p, obstacles, after);
+    }
+    recover(s, rest, after);
+}
+
+/// Everything goes rigidly with the head; what it has of its own is found against that.
+fn carry_along(s: &mut [RodVertex], rest: &[RodRest], before: Pose, after: Pose) {
+    let carry = after.after_inverse_of(&before);
+    for k in 0..s.len() {
+        s[k].frame = (carry.rotation * s[k].frame).normalize();
+    }
+    if let Some(root) = s.first_mut() {
+        root.frame = (after.rotation * rest[0].frame).normalize();
+    }
+}
+
+/// Eliminate every edge from tip to root.
+fn sweep_to_root(
+    s: &[RodVertex],
+    rest: &[RodRest],
+    p: &RodParams,
+    air: Air,
+    before: Pose,
+    after: Pose,
+    out: &mut [Eliminated],
+) {
+    let n = s.len();
+    let h = p.step_secs;
+    let carry = after.after_inverse_of(&before);
+    let gravity = Vec3::from_array(p.gravity);
+    // The articulated inertia: 1/2 dx.A dx + dx.B omega + 1/2 omega.C omega + px.dx + pw.omega.
+    let (mut a, mut b, mut c) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
+    let (mut px, mut pw) = (Vec3::ZERO, Vec3::ZERO);
+    let mut load = Vec3::ZERO;
+    let mut from_root: f32 = rest.iter().map(|vertex| vertex.support.w).sum();
+    for k in (1..n.saturating_sub(1)).rev() {
+        let j = k + 1;
+        let length = rest[k].support.w;
+        let t = rotate(s[k].frame, Vec3::Z);
+        let e = length * t;
+        // Compute what drives vertex j, relative to going rigidly with the head.
+        let x = s[j].x.xyz();
+        let carried = carry.apply(x);
+        let own = clamp_length(2.0 * x - s[j].prev.xyz() - carried, MAX_SPEED * h);
+        let mass = mass(rest, j);
+        let stiffness = hold_at(p, from_root);
+        let to_style = after.apply(rest[j].place.xyz()) - carried;
+        let force = gravity + rotate(after.rotation, rest[j].support.xyz()) + stiffness * to_style;
+        let exposed = from_root / (from_root + SHELTER);
+        let blown = h * exposed * air.velocity(x) - (carried - x);
+        let (across, along) = (p.damping + p.drag, p.damping_along + DRAG_ALONG * p.drag);
+        let drag = p.drag * (blown - (1.0 - DRAG_ALONG) * t.dot(blown) * t);
+        let r = mass * (own + h * h * force + h * drag);
+        let d = mass * (1.0 + h * across + h * h * stiffness);
+        a += Mat3::from_diagonal(Vec3::splat(d)) + outer(t, mass * h * (along - across));
+        px -= r;
+        load += mass * (force - s[j].acceleration.xyz());
+        // Compute the inertia about vertex k, with dx_j = dx_k + omega x e.
+        let ea = cross_columns(e, a);
+        let eb = cross_columns(e, b);
+        let b_below = b + ea.transpose();
+        let tension = h * h * load.dot(e).max(0.0);
+        let spin = SPIN * mass * length.max(MIN_EDGE).powi(2);
+        let c_below = c
+            + eb
+            + eb.transpose()
+            + cross_columns(e, ea.transpose())
+            + Mat3::from_diagonal(Vec3::splat(tension + spin))
+            - outer(t, tension);
+        let pw_below = pw + e.cross(px);
+        // Eliminate omega_k.
+        let stiff = p.bend / joint_length(rest, k);
+        let g = h * h * moment_of_joint(s, rest, k, stiff);
+        let beta = stiff * (h * h + h * p.bend_damping);
+        let inverse = inverse_symmetric(c_below + Mat3::from_diagonal(Vec3::splat(beta)));
+        let turn = inverse * (pw_below + g);
+        let lever = inverse * b_below.transpose();
+        out[k] = Eliminated { gain: inverse * beta, lever, turn };
+        a -= b_below * lever;
+        b = lever.transpose() * beta;
+        c = inverse * c_below * beta;
+        px -= b_below * turn;
+        pw = beta * (inverse * pw_below) - inverse * (c_below * g);
+        from_root -= length;
+    }
+}
+
+/// Turn the edges from root to tip.
+fn sweep_to_tip(s: &mut [RodVertex], rest: &[RodRest], p: &RodParams, after: Pose, eliminated: &[Eliminated]) {
+    let h = p.step_secs;
+    let (mut omega, mut dx) = (Vec3::ZERO, Vec3::ZERO);
+    for k in 0..s.len().min(N_PINNED) {
+        s[k].prev = s[k].x;
+        s[k].x = after.apply(rest[k].place.xyz()).extend(0.0);
+    }
+    for k in 1..s.len().saturating_sub(1) {
+        let Eliminated { gain, lever, turn } = eliminated[k];
+        let length = rest[k].support.w;
+        let mut frame = s[k].frame;
+        let t = rotate(frame, Vec3::Z);
+        omega = clamp_length(gain * omega - turn - lever * dx, MAX_TURN);
+        if omega.length_squared() < STILL * STILL {
+            omega = Vec3::ZERO;
+        } else {
+            let half = 0.5 * omega;
+            frame = (Quat::from_xyzw(half.x, half.y, half.z, 1.0).normalize() * frame).normalize();
+        }
+        dx += omega.cross(length * t);
+        let was = s[k + 1].x.xyz();
+        let mut x = s[k].x.xyz() + length * rotate(frame, Vec3::Z);
+        let styled = (after.rotation * rest[k].frame).normalize();
+        let styled_x = after.apply(rest[k + 1].place.xyz());
+        let aside = (frame - styled).length_squared().max((x - styled_x).length_squared());
+        if omega.length_squared().max(aside) < AT_REST * AT_REST {
+            (frame, x) = (styled, styled_x);
+        }
+        s[k + 1].acceleration = (((x - was) - (was - s[k + 1].prev.xyz())) / (h * h)).extend(0.0);
+        s[k].frame = frame;
+        s[k + 1].x = x.extend(0.0);
+        s[k + 1].prev = was.extend(0.0);
+    }
+}
+
+/// Keep vertices out of the head and the colliders; true where one touches, and lengths are no longer exact.
+fn collide(s: &mut [RodVertex], rest: &[RodRest], obstacles: Obstacles<'_>, before: Pose, after: Pose) -> bool {
+    let mut touches = false;
+    for k in N_PINNED..s.len() {
+        let along = k as f32 / (s.len() - 1) as f32;
+        let was = s[k].x.xyz();
+        let (x, prev) = obstacles.collide(was, s[k].prev.xyz(), rest[k].place.w, along, before, after);
+        touches |= x != was;
+        s[k].x = x.extend(0.0);
+        s[k].prev = prev.extend(0.0);
+    }
+    touches
+}
+
+/// Put every vertex at its exact distance from the one below and out of all obstacles. Where an obstacle holds a vertex
+/// back, those below are pulled to it, and the strand is closed again from the root (after FABRIK, Aristidou and
+/// Lasenby 2011): root to tip alone would drag what hangs on a rod through it. Frames follow the edges.
+fn close_lengths(s: &mut [RodVertex], rest: &[RodRest], p: &RodParams, obstacles: Obstacles<'_>, after: Pose) {
+    for reach in 0..=REACHES {
+        if !reach_from_root(s, rest, p, obstacles, after, reach < REACHES) {
+            break;
+        }
+        reach_from_tip(s, rest, obstacles, after);
+    }
+    for k in 1..s.len() - 1 {
+        let frame = s[k].frame;
+        let edge = s[k + 1].x.xyz() - s[k].x.xyz();
+        s[k].frame = (shortest_turn(rotate(frame, Vec3::Z), edge) * frame).normalize();
+    }
+}
+
+/// From the root up, without giving velocity; true where a vertex was held back and may be, its edge too long.
+fn reach_from_root(
+    s: &mut [RodVertex],
+    rest: &[RodRest],
+    p: &RodParams,
+    obstacles: Obstacles<'_>,
+    after: Pose,
+    may_hold: bool,
+) -> bool {
+    let mut is_held = false;
+    for k in N_PINNED..s.len() {
+        let below = s[k - 1].x.xyz();
+        let length = rest[k - 1].support.w;
+        let along = k as f32 / (s.len() - 1) as f32;
+        let start = s[k].x.xyz();
+        let mut x = at_length(below, start, length, s[k - 1].frame);
+        for _ in 0..p.n_iterations {
+            let kept = obstacles.keep_out(start, x, rest[k].place.w, along, after);
+            if kept == x {
+                break;
+            }
+            x = at_length(below, kept, length, s[k - 1].frame);
+            if may_hold && kept.distance(below) > HELD * length {
+                is_held = true;
+                x = kept;
+                break;
+            }
+        }
+        s[k].prev += (x - start).extend(0.0);
+        s[k].x = x.extend(0.0);
+    }
+    is_held
+}
+
+/// From the tip down, edges that are too long; it takes the velocity that made them so.
+fn reach_from_tip(s: &mut [RodVertex], rest: &[RodRest], obstacles: Obstacles<'_>, after: Pose) {
+    for k in (N_PINNED..s.len() - 1).rev() {
+        let length = rest[k].support.w;
+        let along = k as f32 / (s.len() - 1) as f32;
+        let (x, above) = (s[k].x.xyz(), s[k + 1].x.xyz());
+        if x.distance(above) > 1.001 * length {
+            let pulled = at_length(above, x, length, s[k].frame);
+            s[k].x = obstacles.keep_out(x, pulled, rest[k].place.w, along, after).extend(0.0);
+        }
+    }
+}
+
+/// The place in the direction of `x` that is as far from `below` as at rest; in the edge's own where there is none.
+fn at_length(below: Vec3, x: Vec3, length: f32, frame: Quat) -> Vec3 {
+    let edge = x - below;
+    let far = edge.length();
+    if far > 1e-6 { below + edge * (length / far) } else { below + length * rotate(frame, Vec3::Z) }
+}
+
+/// A strand that is not finite starts again from rest.
+fn recover(s: &mut [RodVertex], rest: &[RodRest], after: Pose) {
+    let mut sum = 0.0;
+    for k in 0..s.len() {
+        sum += (s[k].x.xyz() - s[k].prev.xyz()).abs().element_sum() + s[k].frame.length_squared();
+    }
+    // False for NaN and infinity too.
+    if sum < 1e15 {
+        return;
+    }
+    for (vertex, rest) in s.iter_mut().zip(rest) {
+        *vertex = at_rest(rest, after);
+    }
+}
+
+/// Moment that a joint's deviation from its rest makes on the edge above it, world: 2 B/l sin(theta / 2) about its axis.
+fn moment_of_joint(s: &[RodVertex], rest: &[RodRest], k: usize, stiff: f32) -> Vec3 {
+    let deviation = rest[k].joint.conjugate() * (s[k - 1].frame.conjugate() * s[k].frame);
+    let shortest = if deviation.w < 0.0 { -1.0 } else { 1.0 };
+    rotate(s[k].frame, 2.0 * stiff * shortest * Vec3::new(deviation.x, deviation.y, deviation.z))
+}
+
+/// Stiffness of the hold over mass at a distance from the root, 1/s2.
+fn hold_at(p: &RodParams, from_root: f32) -> f32 {
+    if from_root > HOLD_ENDS * p.hold_length { 0.0 } else { p.hold * (-from_root / p.hold_length).exp() }
+}
+
+/// `e x` each column.
+fn cross_columns(e: Vec3, m: Mat3) -> Mat3 {
+    Mat3::from_cols(e.cross(m.x_axis), e.cross(m.y_axis), e.cross(m.z_axis))
+}
+
+/// `scale` times the outer product of `v` with itself.
+fn outer(v: Vec3, scale: f32) -> Mat3 {
+    let scaled = scale * v;
+    Mat3::from_cols(scaled * v.x, scaled * v.y, scaled * v.z)
+}
+
+/// By cofactors; `m` is positive definite.
+fn inverse_symmetric(m: Mat3) -> Mat3 {
+    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
+    let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
+    let scale = 1.0 / x.dot(yz);
+    Mat3::from_cols(scale * yz, scale * zx, scale * xy).transpose()
+}
+
+fn clamp_length(v: Vec3, max: f32) -> Vec3 {
+    let length = v.length();
+    if length > max { v * (max / length) } else { v }
+}
