@@ -70,6 +70,8 @@ pub struct LayerBinding {
     /// What each of `maps` says at the strand's root, in its own measure ([`MapKind::max_value`]): strand `s` has
     /// `map_values[s * maps.len()..]`.
     pub map_values: Vec<f32>,
+    /// Per guide: share of it, from the root, that is tied, 0-1.
+    pub guide_ties: Vec<f32>,
     /// Where strands may stand, for another density; `None` where they stand where they were imported.
     places: Option<Arc<Places>>,
     pub clumps: Clumps,
@@ -208,6 +210,28 @@ impl LayerBinding {
             let column = self.map_values.par_iter_mut().skip(i).step_by(maps.len());
             column.enumerate().for_each(|(strand_idx, out)| *out = value(strand_idx));
         }
+        self.guide_ties = self.ties(layer.tied);
+    }
+
+    /// What its strands say of each guide: the mean of the painted ties by their shares in it, or `least`.
+    fn ties(&self, least: f32) -> Vec<f32> {
+        let mut ties = vec![least.clamp(0.0, 1.0); self.guides.n_guides()];
+        let Some(map_idx) = self.map_idx(&MapKind::Tied) else { return ties };
+        let mut sums = vec![(0.0, 0.0); ties.len()];
+        for strand_idx in 0..self.n_strands() {
+            let tied = self.map_value(strand_idx, Some(map_idx), 0.0);
+            for influence in self.influences(strand_idx) {
+                let (sum, weight) = &mut sums[influence.guide_idx as usize];
+                *sum += influence.weight * tied;
+                *weight += influence.weight;
+            }
+        }
+        for (tie, (sum, weight)) in ties.iter_mut().zip(sums) {
+            if weight > 0.0 {
+                *tie = (sum / weight).clamp(*tie, 1.0);
+            }
+        }
+        ties
     }
 
     /// The index of a map in `maps`; `None` where the layer has none of this kind, so that its default applies.

@@ -87,6 +87,10 @@ pub struct Layer {
     /// Radius at the tip as a share of the root's.
     pub tip_radius: f32,
     pub seed: u32,
+    /// Share of every strand, from the root, that is tied: it stays with the style while the rest moves, 0-1. Where the map
+    /// of ties says more, that counts.
+    #[serde(default)]
+    pub tied: f32,
     pub style: Vec<StyleOp>,
     /// What brushes did, above the style.
     pub sculpt: Sculpt,
@@ -190,6 +194,7 @@ impl Layer {
             Param { key: "layer.radius".to_owned(), label: "Radius", unit: "\u{b5}m", min: 5.0, max: 500.0, of: &[], help: "At the root; 25-50 is human hair", value: ParamValue::F32(&mut self.radius_um) },
             Param { key: "layer.tip".to_owned(), label: "Tip", unit: "of the root", min: 0.0, max: 1.0, of: &[], help: "Radius at the tip as a share of the root's", value: ParamValue::F32(&mut self.tip_radius) },
             Param { key: "layer.seed".to_owned(), label: "Seed", unit: "", min: 0.0, max: 9999.0, of: &[], help: "Another seed, another head of hair of the same style", value: ParamValue::U32(&mut self.seed) },
+            Param { key: "layer.tied".to_owned(), label: "Tied", unit: "of the strand", min: 0.0, max: 1.0, of: &[], help: "Share of every strand, from the root, that stays with the style while the rest moves: up to a band, a pin, a braid", value: ParamValue::F32(&mut self.tied) },
         ];
         if !given {
             params.insert(0, Param { key: "layer.strands".to_owned(), label: "Strands", unit: "", min: 1.0, max: 1_000_000.0, of: &[], help: "At level of detail 1", value: ParamValue::U32(&mut self.n_strands) });
@@ -223,6 +228,7 @@ impl Layer {
             radius_um: 40.0,
             tip_radius: 0.3,
             seed: 0,
+            tied: 0.0,
             style: Vec::new(),
             sculpt: Sculpt::default(),
             material: HairMaterial::default(),

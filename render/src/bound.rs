@@ -171,7 +171,10 @@ impl Bound {
 
 impl BoundLayer {
     fn is_current(&self, layer: &Layer) -> bool {
-        self.has_clumps_of(layer) && self.has_maps_of(layer) && self.has_sculpt_of(layer)
+        self.has_clumps_of(layer)
+            && self.has_maps_of(layer)
+            && self.has_sculpt_of(layer)
+            && self.layer.tied == layer.tied
     }
 
     /// Was it bound to the layer's sculpt guides? Where it has none, others do no harm.

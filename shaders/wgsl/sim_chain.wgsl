@@ -4,7 +4,7 @@
 // of a frame's steps are one dispatch.
 
 #import lorelei::sim_pose::{Pose, rotate, pose_apply, after_inverse_of, shortest_turn, normalize_or_zero}
-#import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, SHELTER, MAX_SPEED}
+#import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
 #import lorelei::sim_contact::{contact_collide, contact_step}
 #import lorelei::sim_air::air_velocity
 
@@ -14,9 +14,14 @@ struct ChainParams {
     keep: f32,
     take_up: f32,
     shape: f32,
-    hold: f32,
-    hold_length: f32,
     n_iterations: u32,
+}
+
+struct ChainRest {
+    // xyz head space, w the distance from the obstacles at rest.
+    place: vec4<f32>,
+    // Hold to the style over mass; share of the wind.
+    numbers: vec4<f32>,
 }
 
 struct ChainVertex {
@@ -31,29 +36,27 @@ struct ChainVertex {
 const MOST: u32 = 64u;
 
 @group(0) @binding(auto) var<storage, read> chain: ChainParams;
-// xyz head space, w the distance from the obstacles at rest.
-@group(0) @binding(auto) var<storage, read> rest: array<vec4<f32>>;
+@group(0) @binding(auto) var<storage, read> rest: array<ChainRest>;
 @group(0) @binding(auto) var<storage, read_write> s: array<ChainVertex>;
 
 // Places of the strand's vertices now.
 var<workgroup> x_of: array<vec3<f32>, MOST>;
-// Lengths of the edges below them, and distances from the root.
+// Lengths of the edges below them.
 var<workgroup> length_of: array<f32, MOST>;
 var<workgroup> is_broken: atomic<u32>;
 
 // Verlet's rule for one vertex: where it goes from `x`.
-fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, place: vec3<f32>, from_root: f32, before: Pose, after: Pose) -> vec3<f32> {
-    let styled = pose_apply(after, place);
+fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose, after: Pose) -> vec3<f32> {
+    let styled = pose_apply(after, at.place.xyz);
     if k < N_PINNED {
         return styled;
     }
     let carry = after_inverse_of(after, before);
     let with_head = pose_apply(carry, x) - x;
     var v = with_head + chain.keep * (x - prev - with_head);
-    let exposed = from_root / (from_root + SHELTER);
-    v += chain.take_up * (exposed * chain.step_secs * air_velocity(x) - v);
+    v += chain.take_up * (at.numbers.y * chain.step_secs * air_velocity(x) - v);
     let moved = x + clamp_length(v, MAX_SPEED * chain.step_secs) + chain.gravity_step;
-    let stiffness = chain.hold * exp(-from_root / chain.hold_length);
+    let stiffness = at.numbers.x * chain.step_secs * chain.step_secs;
     return moved + (styled - moved) * (stiffness / (1.0 + stiffness));
 }
 
@@ -74,8 +77,8 @@ fn lengths(k: u32, is_here: bool, batch: u32) {
 fn angles(k: u32, is_here: bool, first: u32, after: Pose) {
     var moved = vec3<f32>(0.0);
     if is_here && k >= N_PINNED {
-        let rest_below = rotate(after.rotation, rest[first + k - 1u].xyz - rest[first + k - 2u].xyz);
-        let rest_edge = rotate(after.rotation, rest[first + k].xyz - rest[first + k - 1u].xyz);
+        let rest_below = rotate(after.rotation, rest[first + k - 1u].place.xyz - rest[first + k - 2u].place.xyz);
+        let rest_edge = rotate(after.rotation, rest[first + k].place.xyz - rest[first + k - 1u].place.xyz);
         let joint = x_of[k - 1u];
         let goal = joint + rotate(shortest_turn(rest_below, joint - x_of[k - 2u]), rest_edge);
         moved = x_of[k] + chain.shape * (goal - x_of[k]);
@@ -101,7 +104,7 @@ fn advance(
     let first = guide_idx * asked.n_vertices;
     let is_here = k < asked.n_vertices;
     let i = first + min(k, asked.n_vertices - 1u);
-    let place = rest[i];
+    let place = rest[i].place;
     var x = s[i].x.xyz;
     var prev = s[i].prev.xyz;
     var begun = s[i].begun.xyz;
@@ -111,20 +114,16 @@ fn advance(
         begun = pose_apply(asked.carry, begun);
     }
     if is_here {
-        length_of[k] = select(distance(place.xyz, rest[max(i, 1u) - 1u].xyz), 0.0, k == 0u);
+        length_of[k] = select(distance(place.xyz, rest[max(i, 1u) - 1u].place.xyz), 0.0, k == 0u);
     }
     workgroupBarrier();
-    var from_root = 0.0;
-    for (var below = 1u; below <= min(k, asked.n_vertices - 1u); below++) {
-        from_root += length_of[below];
-    }
     let along = f32(k) / f32(asked.n_vertices - 1u);
     for (var step = 0u; step < asked.n_steps; step++) {
         contact_step(step, asked.n_steps);
         let before = asked.poses[step];
         let after = asked.poses[step + 1u];
         begun = x;
-        let moved = integrate(k, x, prev, place.xyz, from_root, before, after);
+        let moved = integrate(k, x, prev, rest[i], before, after);
         prev = x;
         if is_here {
             x_of[k] = moved;

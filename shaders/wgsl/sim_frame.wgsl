@@ -24,8 +24,6 @@ struct FrameParams {
 
 // Vertices at the root that follow the head.
 const N_PINNED: u32 = 2u;
-// Distance from the root at which hair feels half of the wind, cm.
-const SHELTER: f32 = 4.0;
 // cm/s.
 const MAX_SPEED: f32 = 3000.0;
 

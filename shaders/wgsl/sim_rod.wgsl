@@ -3,7 +3,7 @@
 // One thread takes one strand through all of a frame's steps: each sweep goes from one end to the other.
 
 #import lorelei::sim_pose::{Pose, rotate, conjugate, multiply, pose_apply, after_inverse_of, shortest_turn}
-#import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, SHELTER, MAX_SPEED}
+#import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
 #import lorelei::sim_contact::{contact_collide, contact_keep_out, contact_step}
 #import lorelei::sim_air::air_velocity
 
@@ -15,8 +15,6 @@ struct RodParams {
     damping: f32,
     damping_along: f32,
     drag: f32,
-    hold: f32,
-    hold_length: f32,
     n_iterations: u32,
 }
 
@@ -29,6 +27,8 @@ struct RodRest {
     joint: vec4<f32>,
     // xyz what carries the vertex beside its own strand, head space; w length of the edge above.
     support: vec4<f32>,
+    // Hold to the style over mass; share of the wind; lengths of hair whose mass and bending it stands for.
+    numbers: vec4<f32>,
 }
 
 struct RodVertex {
@@ -60,7 +60,6 @@ struct Eliminated {
 
 const MIN_EDGE = 0.01;
 const DRAG_ALONG = 0.5;
-const HOLD_ENDS = 7.0;
 const MAX_TURN = 1.0;
 const STILL = 2e-6;
 const AT_REST = 2e-5;
@@ -71,17 +70,6 @@ const EDGE = vec3<f32>(0.0, 0.0, 1.0);
 
 // First vertex of this thread's strand.
 var<private> base: u32;
-
-// Length of hair whose bending joint `k` stands for.
-fn joint_length(k: u32) -> f32 {
-    let below = select(rest[base + k - 1u].support.w, 0.0, k == 1u);
-    return max(0.5 * (below + rest[base + k].support.w), MIN_EDGE);
-}
-
-// Length of hair whose mass vertex `k` stands for.
-fn mass_of(k: u32) -> f32 {
-    return max(0.5 * (rest[base + k - 1u].support.w + rest[base + k].support.w), MIN_EDGE);
-}
 
 fn at_rest(k: u32, pose: Pose) {
     let x = vec4<f32>(pose_apply(pose, rest[base + k].place.xyz), 0.0);
@@ -107,13 +95,6 @@ fn carry_along(before: Pose, after: Pose) {
         s[base + k].frame = normalize(multiply(carry.rotation, s[base + k].frame));
     }
     s[base].frame = normalize(multiply(after.rotation, rest[base].frame));
-}
-
-fn hold_at(from_root: f32) -> f32 {
-    if from_root > HOLD_ENDS * rod.hold_length {
-        return 0.0;
-    }
-    return rod.hold * exp(-from_root / rod.hold_length);
 }
 
 // `e x` each column.
@@ -156,10 +137,6 @@ fn sweep_to_root(before: Pose, after: Pose) {
     var px = vec3<f32>(0.0);
     var pw = vec3<f32>(0.0);
     var load = vec3<f32>(0.0);
-    var from_root = 0.0;
-    for (var k = 0u; k < asked.n_vertices; k++) {
-        from_root += rest[base + k].support.w;
-    }
     for (var k = asked.n_vertices - 2u; k >= 1u; k--) {
         let j = base + k + 1u;
         let edge_length = rest[base + k].support.w;
@@ -169,11 +146,11 @@ fn sweep_to_root(before: Pose, after: Pose) {
         let x = s[j].x.xyz;
         let carried = pose_apply(carry, x);
         let own = clamp_length(2.0 * x - s[j].prev.xyz - carried, MAX_SPEED * h);
-        let mass = mass_of(k + 1u);
-        let stiffness = hold_at(from_root);
+        let stiffness = rest[j].numbers.x;
+        let exposed = rest[j].numbers.y;
+        let mass = rest[j].numbers.z;
         let to_style = pose_apply(after, rest[j].place.xyz) - carried;
         let force = rod.gravity + rotate(after.rotation, rest[j].support.xyz) + stiffness * to_style;
-        let exposed = from_root / (from_root + SHELTER);
         let blown = h * exposed * air_velocity(x) - (carried - x);
         let across = rod.damping + rod.drag;
         let along = rod.damping_along + DRAG_ALONG * rod.drag;
@@ -193,7 +170,7 @@ fn sweep_to_root(before: Pose, after: Pose) {
         let c_below = c + eb + transpose(eb) + cross_columns(e, transpose(ea)) + diagonal(tension + spin) - outer(t, tension);
         let pw_below = pw + cross(e, px);
         // Eliminate omega_k.
-        let stiff = rod.bend / joint_length(k);
+        let stiff = rod.bend / rest[base + k].numbers.w;
         let g = h * h * moment_of_joint(k, stiff);
         let beta = stiff * (h * h + h * rod.bend_damping);
         let inverse = inverse_symmetric(c_below + diagonal(beta));
@@ -210,7 +187,6 @@ fn sweep_to_root(before: Pose, after: Pose) {
         c = inverse * c_below * beta;
         px -= b_below * turn;
         pw = beta * (inverse * pw_below) - inverse * (c_below * g);
-        from_root -= edge_length;
     }
 }
 

@@ -17,8 +17,6 @@ use crate::contact::Obstacles;
 use crate::pose::{Pose, normalize_or_zero, rotate, shortest_turn};
 use crate::rod::N_PINNED;
 
-/// Distance from the root at which hair feels half of the wind, cm.
-const SHELTER: f32 = 4.0;
 /// Faster hair is not seen, only missed: cm/s.
 const MAX_SPEED: f32 = 3000.0;
 
@@ -35,12 +33,7 @@ pub struct ChainParams {
     pub take_up: f32,
     /// Share of the distance from the local shape that an iteration takes away.
     pub shape: f32,
-    /// Hold at the root times the step squared.
-    pub hold: f32,
-    /// cm.
-    pub hold_length: f32,
     pub n_iterations: u32,
-    pub pad: [u32; 2],
 }
 
 impl ChainParams {
@@ -49,19 +42,25 @@ impl ChainParams {
         let default = SimulationSettings::default();
         let dt = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
         let gravity = bounded(settings.gravity, default.gravity, -1e4, 1e4);
-        let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
         Self {
             gravity_step: [0.0, -gravity * dt * dt, 0.0],
             step_secs: dt,
             keep: (-bounded(settings.damping, default.damping, 0.0, 1e3) * dt).exp(),
             take_up: 1.0 - (-bounded(settings.drag, default.drag, 0.0, 1e3) * dt).exp(),
             shape: bounded(settings.shape, default.shape, 0.0, 1.0),
-            hold: hold * hold * dt * dt,
-            hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
             n_iterations: settings.n_iterations.clamp(1, 64),
-            pad: [0; 2],
         }
     }
+}
+
+/// What does not change while a strand moves. Layout of `ChainRest` in WGSL.
+#[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct ChainRest {
+    /// xyz head space, w the distance from the obstacles at rest.
+    pub place: Vec4,
+    /// Stiffness over mass by which it is held to the style, 1/s2; share of the wind that it feels.
+    pub numbers: Vec4,
 }
 
 /// State of one vertex. Layout of `ChainVertex` in WGSL.
@@ -90,10 +89,10 @@ pub fn carry(s: &mut [ChainVertex], carry: Pose) {
     }
 }
 
-/// One step: the head goes from `before` to `after`. `rest`: xyz head space, w the distance from the obstacles at rest.
+/// One step: the head goes from `before` to `after`.
 pub fn step_chain(
     s: &mut [ChainVertex],
-    rest: &[Vec4],
+    rest: &[ChainRest],
     p: &ChainParams,
     air: Air,
     obstacles: Obstacles<'_>,
@@ -107,7 +106,7 @@ pub fn step_chain(
         angles(s, rest, p, after);
         for k in N_PINNED..s.len() {
             let along = k as f32 / (s.len() - 1) as f32;
-            let (x, prev) = obstacles.collide(s[k].x.xyz(), s[k].prev.xyz(), rest[k].w, along, before, after);
+            let (x, prev) = obstacles.collide(s[k].x.xyz(), s[k].prev.xyz(), rest[k].place.w, along, before, after);
             s[k].x = x.extend(0.0);
             s[k].prev = prev.extend(0.0);
         }
@@ -116,23 +115,19 @@ pub fn step_chain(
 }
 
 /// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
-fn integrate(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, air: Air, before: Pose, after: Pose) {
+fn integrate(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, air: Air, before: Pose, after: Pose) {
     let carry = after.after_inverse_of(&before);
-    let mut from_root = 0.0;
     for k in 0..s.len() {
         let x = s[k].x.xyz();
-        if k > 0 {
-            from_root += rest[k].xyz().distance(rest[k - 1].xyz());
-        }
-        let styled = after.apply(rest[k].xyz());
+        let styled = after.apply(rest[k].place.xyz());
         let mut moved = styled;
         if k >= N_PINNED {
             let with_head = carry.apply(x) - x;
             let mut v = with_head + p.keep * (x - s[k].prev.xyz() - with_head);
-            let exposed = from_root / (from_root + SHELTER);
+            let [hold, exposed, ..] = rest[k].numbers.to_array();
             v += p.take_up * (exposed * p.step_secs * air.velocity(x) - v);
             moved = x + clamp_length(v, MAX_SPEED * p.step_secs) + Vec3::from_array(p.gravity_step);
-            let stiffness = p.hold * (-from_root / p.hold_length).exp();
+            let stiffness = hold * p.step_secs * p.step_secs;
             moved += (styled - moved) * (stiffness / (1.0 + stiffness));
         }
         s[k].prev = s[k].x;
@@ -141,10 +136,10 @@ fn integrate(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, air: Air, be
 }
 
 /// Lengths of every second edge: the edges of one batch share no vertex.
-fn lengths(s: &mut [ChainVertex], rest: &[Vec4], batch: usize) {
+fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], batch: usize) {
     for k in (N_PINNED + batch..s.len()).step_by(2) {
         let edge = s[k].x.xyz() - s[k - 1].x.xyz();
-        let error = edge.length() - rest[k].xyz().distance(rest[k - 1].xyz());
+        let error = edge.length() - rest[k].place.xyz().distance(rest[k - 1].place.xyz());
         let w_below = if k - 1 < N_PINNED { 0.0 } else { 1.0 };
         let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
         s[k - 1].x += (w_below * correction).extend(0.0);
@@ -154,13 +149,13 @@ fn lengths(s: &mut [ChainVertex], rest: &[Vec4], batch: usize) {
 
 /// Towards the local shape: each vertex to where the turn of the edge two below would take it. All at once, from where they
 /// were before.
-fn angles(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, after: Pose) {
+fn angles(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, after: Pose) {
     let (mut below, mut joint) = (Vec3::ZERO, Vec3::ZERO);
     for k in 0..s.len() {
         let x = s[k].x.xyz();
         if k >= N_PINNED {
-            let rest_below = rotate(after.rotation, rest[k - 1].xyz() - rest[k - 2].xyz());
-            let rest_edge = rotate(after.rotation, rest[k].xyz() - rest[k - 1].xyz());
+            let rest_below = rotate(after.rotation, rest[k - 1].place.xyz() - rest[k - 2].place.xyz());
+            let rest_edge = rotate(after.rotation, rest[k].place.xyz() - rest[k - 1].place.xyz());
             let target = joint + rotate(shortest_turn(rest_below, joint - below), rest_edge);
             s[k].x = (x + p.shape * (target - x)).extend(0.0);
         }
@@ -170,7 +165,7 @@ fn angles(s: &mut [ChainVertex], rest: &[Vec4], p: &ChainParams, after: Pose) {
 }
 
 /// A strand that is not finite starts again from rest.
-fn recover(s: &mut [ChainVertex], rest: &[Vec4], after: Pose) {
+fn recover(s: &mut [ChainVertex], rest: &[ChainRest], after: Pose) {
     let mut sum = 0.0;
     for vertex in s.iter() {
         sum += (vertex.x.xyz() - vertex.prev.xyz()).abs().element_sum();
@@ -179,8 +174,8 @@ fn recover(s: &mut [ChainVertex], rest: &[Vec4], after: Pose) {
     if sum < 1e15 {
         return;
     }
-    for (vertex, &place) in s.iter_mut().zip(rest) {
-        *vertex = at_rest(place, after);
+    for (vertex, rest) in s.iter_mut().zip(rest) {
+        *vertex = at_rest(rest.place, after);
     }
 }
 

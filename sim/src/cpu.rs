@@ -56,6 +56,11 @@ impl CpuSolver {
         self.settings = settings.clone();
     }
 
+    /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
+    pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
+        self.layers[layer_idx].set_ties(ties, &self.settings, self.pose);
+    }
+
     /// Where the head is at the end of the next [`CpuSolver::advance`] or [`CpuSolver::step_once`].
     pub fn set_head_pose(&mut self, world_from_head: &Affine3A) {
         self.pose = Pose::new(world_from_head);

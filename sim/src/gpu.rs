@@ -153,6 +153,14 @@ impl GpuSolver {
         Ok(())
     }
 
+    /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
+    pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
+        let layer = &mut self.layers[layer_idx];
+        if layer.model.set_ties(ties, &self.settings, self.pose) {
+            self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
+        }
+    }
+
     /// Where the head is at the end of the next [`GpuSolver::advance`] or [`GpuSolver::step_once`].
     pub fn set_head_pose(&mut self, world_from_head: &Affine3A) {
         self.pose = Pose::new(world_from_head);

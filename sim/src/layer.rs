@@ -7,11 +7,11 @@ use lorelei_core::simulation::{RestShape, SimulationSettings, Solver};
 use rayon::prelude::*;
 
 use crate::air::Air;
-use crate::chain::{self, ChainParams, ChainVertex, step_chain};
+use crate::chain::{self, ChainParams, ChainRest, ChainVertex, step_chain};
 use crate::clock::Frame;
 use crate::contact::Obstacles;
 use crate::pose::Pose;
-use crate::rest::Rest;
+use crate::rest::{Hold, Rest};
 use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodRest, RodVertex, step_rod};
 
 /// Guides, and how they move.
@@ -19,6 +19,7 @@ use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodRest, RodVertex, step
 pub struct SimulatedLayer {
     guides: GuideSet,
     pub rest: Rest,
+    hold: Hold,
     law: Law,
     /// What the picture shows: vertex `k` of guide `g` at `g * n_vertices + k`.
     pub shown: Vec<Vec4>,
@@ -27,7 +28,7 @@ pub struct SimulatedLayer {
 #[derive(Debug, Clone)]
 enum Law {
     Rods { params: RodParams, is_weightless: bool, rest: Vec<RodRest>, state: Vec<RodVertex> },
-    Chains { params: ChainParams, state: Vec<ChainVertex> },
+    Chains { params: ChainParams, rest: Vec<ChainRest>, state: Vec<ChainVertex> },
 }
 
 impl SimulatedLayer {
@@ -35,7 +36,8 @@ impl SimulatedLayer {
     pub fn new(guides: &GuideSet, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
         let rest = Rest::new(guides, obstacles);
         let law = Law::new(&rest, settings, pose);
-        let mut layer = Self { guides: guides.clone(), rest, law, shown: Vec::new() };
+        let hold = Hold::new(settings);
+        let mut layer = Self { guides: guides.clone(), rest, hold, law, shown: Vec::new() };
         layer.reset(pose);
         layer
     }
@@ -64,10 +66,28 @@ impl SimulatedLayer {
                 settings.solver == Solver::Chains
             }
         };
-        if is_same_law && !are_moved {
+        if is_same_law && !are_moved && self.hold == Hold::new(settings) {
             return false;
         }
-        self.rest = Rest::new(&self.guides, obstacles);
+        let ties = std::mem::take(&mut self.rest.ties);
+        self.rest = Rest { ties, ..Rest::new(&self.guides, obstacles) };
+        self.hold = Hold::new(settings);
+        self.rebind(settings, pose);
+        true
+    }
+
+    /// Tie guides to the style: see [`Rest::ties`]. The movement goes on; false where they are tied so already.
+    pub fn set_ties(&mut self, ties: &[f32], settings: &SimulationSettings, pose: Pose) -> bool {
+        if self.rest.ties == ties {
+            return false;
+        }
+        self.rest.ties = ties.to_vec();
+        self.rebind(settings, pose);
+        true
+    }
+
+    /// What is fixed, anew; the state stays.
+    fn rebind(&mut self, settings: &SimulationSettings, pose: Pose) {
         let before = std::mem::replace(&mut self.law, Law::new(&self.rest, settings, pose));
         match (&mut self.law, before) {
             (Law::Rods { state, .. }, Law::Rods { state: before, .. }) => *state = before,
@@ -81,12 +101,13 @@ impl SimulatedLayer {
                 self.put(&of(|v| v.x), &of(|v| v.prev));
             }
         }
-        true
     }
 
     /// The same guides at rest under another law.
     pub fn under(&self, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
-        Self::new(&self.guides, obstacles, settings, pose)
+        let mut layer = Self::new(&self.guides, obstacles, settings, pose);
+        layer.set_ties(&self.rest.ties, settings, pose);
+        layer
     }
 
     /// Back to rest on a head at `pose`.
@@ -146,7 +167,7 @@ impl SimulatedLayer {
     pub(crate) fn rest_vec4s(&self) -> &[Vec4] {
         match &self.law {
             Law::Rods { rest, .. } => bytemuck::cast_slice(rest),
-            Law::Chains { .. } => &self.rest.vertices,
+            Law::Chains { rest, .. } => bytemuck::cast_slice(rest),
         }
     }
 
@@ -193,9 +214,9 @@ impl SimulatedLayer {
                     },
                 );
             }
-            Law::Chains { params, state } => {
-                let strands = state.par_chunks_exact_mut(n).zip(places.zip(shown));
-                strands.for_each(|(s, (places, shown))| {
+            Law::Chains { params, rest, state } => {
+                let strands = state.par_chunks_exact_mut(n).zip(rest.par_chunks_exact(n)).zip(places.zip(shown));
+                strands.for_each(|((s, rest), (places, shown))| {
                     if let Some(by) = frame.carry {
                         chain::carry(s, by);
                     }
@@ -204,7 +225,7 @@ impl SimulatedLayer {
                         for vertex in s.iter_mut() {
                             vertex.begun = vertex.x;
                         }
-                        step_chain(s, places, params, air, obstacles, poses[0], poses[1]);
+                        step_chain(s, rest, params, air, obstacles, poses[0], poses[1]);
                     }
                     show(shown, places, frame, |k| (s[k].x, s[k].begun));
                 });
@@ -217,6 +238,7 @@ impl Law {
     /// Without a state yet.
     fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose) -> Self {
         let n = rest.n_vertices.max(1) as usize;
+        let exposures = rest.exposures(Hold::new(settings));
         match settings.solver {
             Solver::Rods => {
                 let params = RodParams::new(settings);
@@ -224,14 +246,18 @@ impl Law {
                 let rest: Vec<RodRest> = rest
                     .vertices
                     .par_chunks(n)
-                    .flat_map_iter(|places| rod::rest_of(places, &params, is_weightless))
+                    .zip(exposures.par_chunks(n))
+                    .flat_map_iter(|(places, exposures)| rod::rest_of(places, exposures, &params, is_weightless))
                     .collect();
                 let state = rest.iter().map(|rest| rod::at_rest(rest, pose)).collect();
                 Self::Rods { params, is_weightless, rest, state }
             }
             Solver::Chains => {
                 let state = rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
-                Self::Chains { params: ChainParams::new(settings), state }
+                let numbers = exposures.iter().map(|exposure| Vec4::new(exposure.hold, exposure.wind, 0.0, 0.0));
+                let places = rest.vertices.iter().zip(numbers);
+                let rest = places.map(|(&place, numbers)| ChainRest { place, numbers }).collect();
+                Self::Chains { params: ChainParams::new(settings), rest, state }
             }
         }
     }

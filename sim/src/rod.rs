@@ -38,6 +38,7 @@ use crate::air::Air;
 use crate::bounded;
 use crate::contact::Obstacles;
 use crate::pose::{Pose, rotate, shortest_turn};
+use crate::rest::Exposure;
 
 /// Vertices at the root that follow the head: the root, and the next one for the growing direction.
 pub const N_PINNED: usize = 2;
@@ -47,12 +48,8 @@ const MIN_EDGE: f32 = 0.01;
 const SELF_SUPPORT: f32 = 0.5;
 /// Largest half of a joint's moment over its stiffness: beyond, the rotation that carries it does not exist.
 const MOST_MOMENT: f32 = 0.8;
-/// Distance from the root at which hair feels half of the wind, cm: it lies in the lee of its neighbours there.
-const SHELTER: f32 = 4.0;
 /// Drag along a slender body over that across it (slender-body theory).
 const DRAG_ALONG: f32 = 0.5;
-/// Times its length, where the hold has faded to a thousandth and ends.
-const HOLD_ENDS: f32 = 7.0;
 /// Times that a strand which is held is closed from both ends.
 const REACHES: usize = 8;
 /// An edge stretched by an obstacle to this many times its length is held.
@@ -86,12 +83,9 @@ pub struct RodParams {
     pub damping_along: f32,
     /// By the air, across the hair, 1/s.
     pub drag: f32,
-    /// Stiffness of the hold at the root over mass, 1/s2.
-    pub hold: f32,
-    /// cm.
-    pub hold_length: f32,
     /// Corrections of a contact in a step.
     pub n_iterations: u32,
+    pub pad: [u32; 2],
 }
 
 impl RodParams {
@@ -100,7 +94,6 @@ impl RodParams {
         let default = SimulationSettings::default();
         let step_secs = 1.0 / bounded(settings.steps_per_second, default.steps_per_second, 15.0, 2000.0);
         let bend_length = bounded(settings.bend_length, default.bend_length, 0.0, 100.0);
-        let hold = std::f32::consts::TAU * bounded(settings.hold, default.hold, 0.0, 100.0);
         Self {
             gravity: [0.0, -bounded(settings.gravity, default.gravity, -1e4, 1e4), 0.0],
             step_secs,
@@ -110,9 +103,8 @@ impl RodParams {
             damping: bounded(settings.damping, default.damping, 0.0, 1e3),
             damping_along: bounded(settings.damping_along, default.damping_along, 0.0, 1e3),
             drag: bounded(settings.drag, default.drag, 0.0, 1e3),
-            hold: hold * hold,
-            hold_length: bounded(settings.hold_length, default.hold_length, 0.01, 1e4),
             n_iterations: settings.n_iterations.clamp(1, 64),
+            pad: [0; 2],
         }
     }
 }
@@ -129,11 +121,14 @@ pub struct RodRest {
     pub joint: Quat,
     /// xyz what carries the vertex beside its own strand, head space, cm/s2; w length of the edge above, cm.
     pub support: Vec4,
+    /// Stiffness over mass by which it is held to the style, 1/s2; share of the wind that it feels; length of hair whose
+    /// mass it stands for, and whose bending, cm.
+    pub numbers: Vec4,
 }
 
 /// Make one strand of [`Rest`](crate::rest::Rest) ready. The style is the shape under gravity; where `is_weightless` it is the
 /// shape without.
-pub fn rest_of(places: &[Vec4], p: &RodParams, is_weightless: bool) -> Vec<RodRest> {
+pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &RodParams, is_weightless: bool) -> Vec<RodRest> {
     let n_edges = places.len().saturating_sub(1);
     let edge = |k: usize| places[k + 1].xyz() - places[k].xyz();
     let mut rest: Vec<RodRest> =
@@ -145,19 +140,23 @@ pub fn rest_of(places: &[Vec4], p: &RodParams, is_weightless: bool) -> Vec<RodRe
         rest[k].frame = frame;
         rest[k].support.w = edge(k).length();
     }
+    for k in 0..places.len() {
+        let Exposure { hold, wind } = exposures[k];
+        rest[k].numbers = Vec4::new(hold, wind, mass(&rest, k), joint_length(&rest, k));
+    }
     let bend_length = (p.bend / STANDARD_GRAVITY).cbrt();
     let (mut moment, mut load) = (Vec3::ZERO, Vec3::ZERO);
     for k in (1..n_edges).rev() {
-        let stiff = p.bend / joint_length(&rest, k);
+        let stiff = p.bend / rest[k].numbers.w;
         let most = 2.0 * MOST_MOMENT * stiff;
         let e = edge(k);
         if !is_weightless {
-            load += mass(&rest, k + 1) * Vec3::from_array(p.gravity);
+            load += rest[k + 1].numbers.z * Vec3::from_array(p.gravity);
             let needed = moment + e.cross(load);
             let held = clamp_length(needed, (SELF_SUPPORT * p.bend / bend_length.max(MIN_EDGE)).min(most));
             let carried = -(needed - held).cross(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE);
             load += carried;
-            let support = carried / mass(&rest, k + 1);
+            let support = carried / rest[k + 1].numbers.z;
             rest[k + 1].support = support.extend(rest[k + 1].support.w);
             moment = clamp_length(moment + e.cross(load), most);
         }
@@ -170,13 +169,14 @@ pub fn rest_of(places: &[Vec4], p: &RodParams, is_weightless: bool) -> Vec<RodRe
 
 /// Length of hair whose bending joint `k` stands for, cm. The first is clamped by the head on one side.
 fn joint_length(rest: &[RodRest], k: usize) -> f32 {
-    let below = if k == 1 { 0.0 } else { rest[k - 1].support.w };
+    let below = if k <= 1 { 0.0 } else { rest[k - 1].support.w };
     (0.5 * (below + rest[k].support.w)).max(MIN_EDGE)
 }
 
 /// Length of hair whose mass vertex `k` stands for, cm: mass is told in centimetres of hair.
 fn mass(rest: &[RodRest], k: usize) -> f32 {
-    (0.5 * (rest[k - 1].support.w + rest[k].support.w)).max(MIN_EDGE)
+    let below = if k == 0 { 0.0 } else { rest[k - 1].support.w };
+    (0.5 * (below + rest[k].support.w)).max(MIN_EDGE)
 }
 
 /// State of one vertex. Layout of `RodVertex` in WGSL.
@@ -284,7 +284,6 @@ fn sweep_to_root(
     let (mut a, mut b, mut c) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
     let (mut px, mut pw) = (Vec3::ZERO, Vec3::ZERO);
     let mut load = Vec3::ZERO;
-    let mut from_root: f32 = rest.iter().map(|vertex| vertex.support.w).sum();
     for k in (1..n.saturating_sub(1)).rev() {
         let j = k + 1;
         let length = rest[k].support.w;
@@ -294,11 +293,9 @@ fn sweep_to_root(
         let x = s[j].x.xyz();
         let carried = carry.apply(x);
         let own = clamp_length(2.0 * x - s[j].prev.xyz() - carried, MAX_SPEED * h);
-        let mass = mass(rest, j);
-        let stiffness = hold_at(p, from_root);
+        let [stiffness, exposed, mass, _] = rest[j].numbers.to_array();
         let to_style = after.apply(rest[j].place.xyz()) - carried;
         let force = gravity + rotate(after.rotation, rest[j].support.xyz()) + stiffness * to_style;
-        let exposed = from_root / (from_root + SHELTER);
         let blown = h * exposed * air.velocity(x) - (carried - x);
         let (across, along) = (p.damping + p.drag, p.damping_along + DRAG_ALONG * p.drag);
         let drag = p.drag * (blown - (1.0 - DRAG_ALONG) * t.dot(blown) * t);
@@ -321,7 +318,7 @@ fn sweep_to_root(
             - outer(t, tension);
         let pw_below = pw + e.cross(px);
         // Eliminate omega_k.
-        let stiff = p.bend / joint_length(rest, k);
+        let stiff = p.bend / rest[k].numbers.w;
         let g = h * h * moment_of_joint(s, rest, k, stiff);
         let beta = stiff * (h * h + h * p.bend_damping);
         let inverse = inverse_symmetric(c_below + Mat3::from_diagonal(Vec3::splat(beta)));
@@ -333,7 +330,6 @@ fn sweep_to_root(
         c = inverse * c_below * beta;
         px -= b_below * turn;
         pw = beta * (inverse * pw_below) - inverse * (c_below * g);
-        from_root -= length;
     }
 }
 
@@ -478,11 +474,6 @@ fn moment_of_joint(s: &[RodVertex], rest: &[RodRest], k: usize, stiff: f32) -> V
     let deviation = rest[k].joint.conjugate() * (s[k - 1].frame.conjugate() * s[k].frame);
     let shortest = if deviation.w < 0.0 { -1.0 } else { 1.0 };
     rotate(s[k].frame, 2.0 * stiff * shortest * Vec3::new(deviation.x, deviation.y, deviation.z))
-}
-
-/// Stiffness of the hold over mass at a distance from the root, 1/s2.
-fn hold_at(p: &RodParams, from_root: f32) -> f32 {
-    if from_root > HOLD_ENDS * p.hold_length { 0.0 } else { p.hold * (-from_root / p.hold_length).exp() }
 }
 
 /// `e x` each column.

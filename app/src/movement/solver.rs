@@ -58,12 +58,18 @@ impl Solver {
         let which = match on {
             On::Cpu => {
                 let mut solver = CpuSolver::new(&guides, field, settings);
+                for (layer_idx, binding) in subject.bindings.iter().enumerate() {
+                    solver.set_ties(layer_idx, &binding.guide_ties);
+                }
                 solver.set_head_pose(world_from_head);
                 solver.reset();
                 Which::Cpu(Box::new(solver))
             }
             On::Gpu(gpu) => {
                 let mut solver = GpuSolver::new(&gpu, &shader_library()?, &guides, field, settings)?;
+                for (layer_idx, binding) in subject.bindings.iter().enumerate() {
+                    solver.set_ties(layer_idx, &binding.guide_ties);
+                }
                 solver.set_head_pose(world_from_head);
                 solver.reset();
                 Which::Gpu(Box::new(solver), gpu)

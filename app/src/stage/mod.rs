@@ -195,6 +195,11 @@ impl Stage {
                 && old.bindings.iter().zip(&bindings).all(|(a, b)| Arc::ptr_eq(a, b) || a.guides == b.guides)
         };
         self.moving = self.moving.take().filter(is_same);
+        if let Some(moving) = &mut self.moving {
+            for (layer_idx, binding) in bindings.iter().enumerate() {
+                moving.solver.set_ties(layer_idx, &binding.guide_ties);
+            }
+        }
         self.n_moves += 1;
         Ok(warnings)
     }
@@ -426,6 +431,9 @@ impl Stage {
         let guides: Vec<_> = bindings.iter().map(|binding| &binding.guides).collect();
         let field = self.renderer.mirror().field().cloned();
         let mut solver = GpuSolver::new(&self.gpu, &self.library, &guides, field.as_deref(), &self.settings)?;
+        for (layer_idx, binding) in bindings.iter().enumerate() {
+            solver.set_ties(layer_idx, &binding.guide_ties);
+        }
         self.world_from_head = self.pose(playback);
         solver.set_head_pose(&self.world_from_head);
         solver.reset();

@@ -41,6 +41,8 @@ pub enum MapKind {
     Curl,
     /// Share of the material's dye: a colour is painted by where it is taken.
     Dye,
+    /// Share of a strand, from the root, that is tied: it stays with the style while the rest moves.
+    Tied,
     /// A region under a name, for operators and brushes that ask for it.
     Mask(String),
     /// Share of the strands that this level of detail keeps.
@@ -51,7 +53,8 @@ pub enum MapKind {
 
 impl MapKind {
     /// The kinds without a name or a number, in the order of lists.
-    pub const PLAIN: [Self; 6] = [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl, Self::Dye];
+    pub const PLAIN: [Self; 7] =
+        [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl, Self::Dye, Self::Tied];
 
     /// The value of one step of a texel. A power of two for multiples, so that 1 is exactly one texel value.
     pub fn step(&self) -> f32 {
@@ -63,6 +66,7 @@ impl MapKind {
             | Self::Clump
             | Self::Curl
             | Self::Dye
+            | Self::Tied
             | Self::Mask(_)
             | Self::LodDensity(_) => 1.0 / 255.0,
         }
@@ -73,10 +77,10 @@ impl MapKind {
         255.0 * self.step()
     }
 
-    /// The value where nothing was painted: without effect, except that a mask covers nothing.
+    /// The value where nothing was painted: without effect, except that a mask covers nothing and nothing is tied.
     pub fn default_value(&self) -> f32 {
         match self {
-            Self::Mask(_) => 0.0,
+            Self::Mask(_) | Self::Tied => 0.0,
             Self::Density
             | Self::Length
             | Self::Width
@@ -116,6 +120,7 @@ impl MapKind {
             Self::Clump => "Clumping".to_owned(),
             Self::Curl => "Curl".to_owned(),
             Self::Dye => "Dye".to_owned(),
+            Self::Tied => "Tied".to_owned(),
             Self::Mask(name) => format!("Mask \u{201c}{name}\u{201d}"),
             Self::LodDensity(level) => format!("Density of level {level}"),
             Self::LodThickness(level) => format!("Thickness of level {level}"),
@@ -130,6 +135,9 @@ impl MapKind {
             Self::Clump => "Share of every clump operator's strength",
             Self::Curl => "Share of every wave's and curl's strength",
             Self::Dye => "Share of the material's dye: strands take its colour where it is painted",
+            Self::Tied => {
+                "Share of a strand, from the root, that stays with the style while the rest moves: up to a band, a pin, a braid"
+            }
             Self::Mask(_) => "A region under a name: operators can be limited to it",
             Self::LodDensity(_) => "Share of the strands that the level of detail keeps",
             Self::LodThickness(_) => "Width at the level of detail, as a multiple of what keeps the covered area",
@@ -144,6 +152,7 @@ impl MapKind {
             Self::Width | Self::LodThickness(_) => "times the width",
             Self::Clump | Self::Curl => "of the strength",
             Self::Dye => "of the dye",
+            Self::Tied => "of the strand",
             Self::Mask(_) => "covered",
             Self::LodDensity(_) => "of the strands",
         }
@@ -160,6 +169,7 @@ impl fmt::Display for MapKind {
             Self::Clump => f.write_str("clump"),
             Self::Curl => f.write_str("curl"),
             Self::Dye => f.write_str("dye"),
+            Self::Tied => f.write_str("tied"),
             Self::Mask(name) => write!(f, "mask:{name}"),
             Self::LodDensity(level) => write!(f, "lod-density:{level}"),
             Self::LodThickness(level) => write!(f, "lod-thickness:{level}"),
@@ -170,7 +180,7 @@ impl fmt::Display for MapKind {
 /// A word that names no map.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{word}` is no map: density, length, width, clump, curl, dye, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
+    "`{word}` is no map: density, length, width, clump, curl, dye, tied, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
 )]
 pub struct NoSuchMap {
     word: String,
