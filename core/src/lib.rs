@@ -39,3 +39,4 @@ pub mod sculpt;
 pub mod simulation;
 pub mod strands;
 pub mod style;
+pub mod wind;

@@ -1,10 +1,9 @@
-// Slot `sim_air`: the same wind everywhere. Twin of Air::Uniform in sim/src/air.rs.
+// Slot `sim_air`: wind that nothing stands in the way of. Twin of Air::Uniform in sim/src/air.rs.
 // slot: sim_air
 #define_import_path lorelei::sim_air_uniform
 
-// xyz velocity, cm/s.
-@group(0) @binding(auto) var<uniform> air: vec4<f32>;
+#import lorelei::wind_free::free_air
 
 fn air_velocity(p: vec3<f32>) -> vec3<f32> {
-    return air.xyz;
+    return free_air(p);
 }

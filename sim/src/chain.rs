@@ -94,7 +94,7 @@ pub fn step_chain(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
     p: &ChainParams,
-    air: Air,
+    air: &Air,
     obstacles: Obstacles<'_>,
     before: Pose,
     after: Pose,
@@ -115,7 +115,7 @@ pub fn step_chain(
 }
 
 /// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
-fn integrate(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, air: Air, before: Pose, after: Pose) {
+fn integrate(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, air: &Air, before: Pose, after: Pose) {
     let carry = after.after_inverse_of(&before);
     for k in 0..s.len() {
         let x = s[k].x.xyz();

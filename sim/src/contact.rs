@@ -303,7 +303,7 @@ impl Capsule {
         (at(self.a, self.a_before), at(self.b, self.b_before))
     }
 
-    fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         capsule_nearest(Vec3::from_array(self.a), self.radius_a, Vec3::from_array(self.b), self.radius_b, p).0
     }
 }

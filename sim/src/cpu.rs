@@ -5,22 +5,28 @@ use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
 use lorelei_core::simulation::SimulationSettings;
 
-use crate::air::Air;
+use crate::air::{AirFrame, CpuAir, HairAmount};
 use crate::clock::{Clock, Frame};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
+use crate::rest::Rest;
 use crate::state::SolverState;
+use crate::wind::CpuWind;
+use crate::wind::cpu::HairLayer;
 
 /// Rest state in, positions out. Cannot fail.
 pub struct CpuSolver {
     layers: Vec<SimulatedLayer>,
+    /// Of every layer.
+    hair: Vec<HairAmount>,
     field: Option<DistanceField>,
     capsules: Vec<Capsule>,
     settings: SimulationSettings,
     clock: Clock,
     pose: Pose,
+    air: CpuAir,
 }
 
 impl CpuSolver {
@@ -29,8 +35,11 @@ impl CpuSolver {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let pose = Pose::IDENTITY;
-        let layers = guides.iter().map(|guides| SimulatedLayer::new(guides, obstacles, settings, pose)).collect();
+        let layers: Vec<SimulatedLayer> =
+            guides.iter().map(|guides| SimulatedLayer::new(guides, obstacles, settings, pose)).collect();
         Self {
+            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest), &[]),
+            air: CpuAir::default(),
             layers,
             field: field.cloned(),
             capsules,
@@ -69,7 +78,7 @@ impl CpuSolver {
     /// Let time pass; returns the steps taken.
     pub fn advance(&mut self, frame_secs: f32) -> usize {
         let frame = self.clock.advance(frame_secs, f64::from(SimulatedLayer::step_secs(&self.settings)), self.pose);
-        self.run(&frame);
+        self.run(&frame, frame_secs);
         if frame.n_steps() > 0 {
             arrive(&mut self.capsules);
         }
@@ -79,13 +88,14 @@ impl CpuSolver {
     /// Take one step, however long the frame.
     pub fn step_once(&mut self) {
         let frame = self.clock.step_once(self.pose);
-        self.run(&frame);
+        self.run(&frame, SimulatedLayer::step_secs(&self.settings));
         arrive(&mut self.capsules);
     }
 
     /// Back to rest at the present pose.
     pub fn reset(&mut self) {
         self.clock = Clock::new(self.pose);
+        self.air = CpuAir::default();
         for layer in &mut self.layers {
             layer.reset(self.pose);
         }
@@ -104,16 +114,20 @@ impl CpuSolver {
     /// Everything that the solver goes on from.
     pub fn read_state(&self) -> SolverState {
         let arrays = self.layers.iter().flat_map(|layer| [layer.state_vec4s().to_vec(), layer.shown.clone()]);
-        SolverState { clock: self.clock.clone(), pose: self.pose, arrays: arrays.collect() }
+        SolverState {
+            clock: self.clock.clone(),
+            pose: self.pose,
+            arrays: arrays.chain(self.air.read_state()).collect(),
+        }
     }
 
     /// Go on from a state of the same guides; false, and nothing changes, where it is of others.
     pub fn write_state(&mut self, state: &SolverState) -> bool {
-        if !state.fits(self.layers.iter().flat_map(|layer| [layer.state_vec4s().len(), layer.shown.len()])) {
-            return false;
-        }
+        let lengths = self.layers.iter().flat_map(|layer| [layer.state_vec4s().len(), layer.shown.len()]);
+        let Some((arrays, air)) = state.split(lengths) else { return false };
+        self.air.write_state(air);
         (self.clock, self.pose) = (state.clock.clone(), state.pose);
-        for (layer, arrays) in self.layers.iter_mut().zip(state.arrays.chunks_exact(2)) {
+        for (layer, arrays) in self.layers.iter_mut().zip(arrays.chunks_exact(2)) {
             layer.set_state_vec4s(&arrays[0]);
             layer.shown.clone_from(&arrays[1]);
         }
@@ -132,11 +146,31 @@ impl CpuSolver {
         self.layers.iter().map(of_layer).fold(Measure::default(), |sum, layer| sum.and(&layer))
     }
 
-    fn run(&mut self, frame: &Frame) {
+    /// Guides of a layer stand for so many hairs each as make these together; without, all guides share a head's hairs.
+    pub fn set_n_hairs(&mut self, n_hairs: &[f32]) {
+        self.hair = HairAmount::of_all(self.layers.iter().map(|layer| &layer.rest), n_hairs);
+    }
+
+    /// The grid of air, once a frame has passed in which the wind was one.
+    pub fn air_grid(&self) -> Option<&CpuWind> {
+        self.air.grid()
+    }
+
+    fn run(&mut self, frame: &Frame, frame_secs: f32) {
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
-        let air = Air::new(&self.settings);
+        let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
+        let air_frame = AirFrame { settings, obstacles, pose, jumped, frame_secs };
+        let rests: Vec<&Rest> = self.layers.iter().map(|layer| &layer.rest).collect();
+        let hair = self.layers.iter().zip(&self.hair).map(|(layer, &HairAmount { n_hairs, length_cm })| HairLayer {
+            n_vertices: layer.rest.n_vertices,
+            positions: &layer.shown,
+            n_hairs,
+            length_cm,
+        });
+        let hair: Vec<HairLayer<'_>> = hair.collect();
+        let air = self.air.advance(air_frame, &rests, &hair);
         for layer in &mut self.layers {
-            layer.run(air, obstacles, frame);
+            layer.run(&air, obstacles, frame);
         }
     }
 }

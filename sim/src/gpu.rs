@@ -10,13 +10,16 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::simulation::{SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
-use crate::air::Air;
+use crate::air::{AirFrame, GpuAir, HairAmount, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
+use crate::rest::Rest;
 use crate::state::SolverState;
+use crate::wind::GpuWind;
+use crate::wind::gpu::GpuHairLayer;
 
 /// Layout of `Pose` in WGSL.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
@@ -90,12 +93,15 @@ pub struct GpuSolver {
     library: ShaderLibrary,
     kernel: Kernel,
     layers: Vec<Layer>,
+    /// Of every layer.
+    hair: Vec<HairAmount>,
     field: Option<DistanceField>,
     field_values: wgpu::Buffer,
     capsules: Vec<Capsule>,
     settings: SimulationSettings,
     clock: Clock,
     pose: Pose,
+    air: GpuAir,
 }
 
 impl GpuSolver {
@@ -111,10 +117,12 @@ impl GpuSolver {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let model = |guides: &&GuideSet| SimulatedLayer::new(guides, obstacles, settings, Pose::IDENTITY);
-        let layers = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
+        let layers: Vec<Layer> = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
         let values = field.map_or(&[][..], |field| &field.values);
         Ok(Self {
             kernel,
+            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest), &[]),
+            air: GpuAir::default(),
             layers,
             field: field.cloned(),
             field_values: gpu.buffer_of("sim.field_values", values, wgpu::BufferUsages::STORAGE),
@@ -169,7 +177,7 @@ impl GpuSolver {
     /// Record the passing of time; returns the steps taken.
     pub fn advance(&mut self, encoder: &mut wgpu::CommandEncoder, frame_secs: f32) -> Result<usize, ShaderError> {
         let frame = self.clock.advance(frame_secs, f64::from(SimulatedLayer::step_secs(&self.settings)), self.pose);
-        self.record(encoder, &frame)?;
+        self.record(encoder, &frame, frame_secs)?;
         if frame.n_steps() > 0 {
             arrive(&mut self.capsules);
         }
@@ -179,7 +187,7 @@ impl GpuSolver {
     /// Record one step, however long the frame.
     pub fn step_once(&mut self, encoder: &mut wgpu::CommandEncoder) -> Result<(), ShaderError> {
         let frame = self.clock.step_once(self.pose);
-        self.record(encoder, &frame)?;
+        self.record(encoder, &frame, SimulatedLayer::step_secs(&self.settings))?;
         arrive(&mut self.capsules);
         Ok(())
     }
@@ -187,6 +195,7 @@ impl GpuSolver {
     /// Back to rest at the present pose. Takes effect before commands that are submitted later.
     pub fn reset(&mut self) {
         self.clock = Clock::new(self.pose);
+        self.air = GpuAir::default();
         for layer in &mut self.layers {
             layer.model.reset(self.pose);
             layer.send_state(&self.gpu);
@@ -218,6 +227,7 @@ impl GpuSolver {
             arrays.push(self.read_vec4s(&layer.state, layer.model.state_vec4s().len())?);
             arrays.push(self.read_vec4s(&layer.positions, layer.model.shown.len())?);
         }
+        arrays.extend(self.air.read_state()?);
         Ok(SolverState { clock: self.clock.clone(), pose: self.pose, arrays })
     }
 
@@ -225,11 +235,10 @@ impl GpuSolver {
     /// effect before commands that are submitted later.
     pub fn write_state(&mut self, state: &SolverState) -> bool {
         let lengths = self.layers.iter().flat_map(|l| [l.model.state_vec4s().len(), l.model.shown.len()]);
-        if !state.fits(lengths) {
-            return false;
-        }
+        let Some((arrays, air)) = state.split(lengths) else { return false };
+        self.air.write_state(air);
         (self.clock, self.pose) = (state.clock.clone(), state.pose);
-        for (layer, arrays) in self.layers.iter_mut().zip(state.arrays.chunks_exact(2)) {
+        for (layer, arrays) in self.layers.iter_mut().zip(arrays.chunks_exact(2)) {
             layer.model.set_state_vec4s(&arrays[0]);
             layer.model.shown.clone_from(&arrays[1]);
             layer.send_state(&self.gpu);
@@ -264,13 +273,48 @@ impl GpuSolver {
         Ok(sum)
     }
 
-    fn record(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> Result<(), ShaderError> {
+    /// Guides of a layer stand for so many hairs each as make these together; without, all guides share a head's hairs.
+    pub fn set_n_hairs(&mut self, n_hairs: &[f32]) {
+        self.hair = HairAmount::of_all(self.layers.iter().map(|layer| &layer.model.rest), n_hairs);
+    }
+
+    /// The grid of air, once a frame has passed in which the wind was one.
+    pub fn air_grid(&self) -> Option<&GpuWind> {
+        self.air.grid()
+    }
+
+    fn record(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        frame_secs: f32,
+    ) -> Result<(), ShaderError> {
+        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
+        let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], wgpu::BufferUsages::UNIFORM);
+        let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
+        let contact = [
+            ("contact", contact.as_entire_binding()),
+            ("field_values", self.field_values.as_entire_binding()),
+            ("capsules", capsules.as_entire_binding()),
+        ];
+        let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
+        let air_frame = AirFrame { settings, obstacles, pose, jumped, frame_secs };
+        let rests: Vec<&Rest> = self.layers.iter().map(|layer| &layer.model.rest).collect();
+        let hair = self.layers.iter().zip(&self.hair).map(|(layer, &HairAmount { n_hairs, length_cm })| GpuHairLayer {
+            n_guides: layer.model.n_guides() as u32,
+            n_vertices: layer.model.rest.n_vertices,
+            positions: &layer.positions,
+            n_hairs,
+            length_cm,
+        });
+        let hair: Vec<GpuHairLayer<'_>> = hair.collect();
+        self.air.advance((&self.gpu, &self.library), encoder, air_frame, &contact, &rests, &hair)?;
         // Parameters get a buffer of their own every time: several frames can be recorded before one is submitted.
         let recorded: Vec<(Bindings, u32)> = self
             .layers
             .iter()
             .filter(|layer| layer.model.n_guides() > 0 && layer.model.rest.n_vertices >= 2)
-            .map(|layer| Ok((self.bind(layer, frame)?, layer.model.n_guides() as u32)))
+            .map(|layer| Ok((self.bind(layer, frame, &contact)?, layer.model.n_guides() as u32)))
             .collect::<Result<_, ShaderError>>()?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sim.strand"), timestamp_writes: None });
@@ -283,7 +327,12 @@ impl GpuSolver {
         Ok(())
     }
 
-    fn bind(&self, layer: &Layer, frame: &Frame) -> Result<Bindings, ShaderError> {
+    fn bind(
+        &self,
+        layer: &Layer,
+        frame: &Frame,
+        contact: &[(&str, wgpu::BindingResource<'_>)],
+    ) -> Result<Bindings, ShaderError> {
         let mut poses = [GpuPose::from(frame.shown); MAX_STEPS_PER_FRAME + 1];
         for (slot, &pose) in poses.iter_mut().zip(&frame.poses) {
             *slot = pose.into();
@@ -300,30 +349,22 @@ impl GpuSolver {
             poses,
         };
         let uniform = wgpu::BufferUsages::UNIFORM;
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let params = self.gpu.buffer_of("sim.frame", &[params], uniform);
         // Storage: Mesa's software driver 22.3 crashes on a fourth uniform buffer in a kernel of this size.
         let law = self.gpu.buffer_of("sim.law", &layer.model.params_bytes(), uniform | wgpu::BufferUsages::STORAGE);
-        let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], uniform);
-        let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
-        let air = self.gpu.buffer_of("sim.air", &[Air::new(&self.settings).params()], uniform);
+        let mut resources = vec![
+            ("asked", params.as_entire_binding()),
+            ("rod", law.as_entire_binding()),
+            ("chain", law.as_entire_binding()),
+            ("rest", layer.rest.as_entire_binding()),
+            ("s", layer.state.as_entire_binding()),
+            ("eliminated", layer.eliminated.as_entire_binding()),
+            ("positions", layer.positions.as_entire_binding()),
+        ];
+        resources.extend(contact.iter().cloned());
+        resources.extend(self.air.resources(&self.settings));
         // A law has its own parameters, and still air has none.
-        self.kernel.bind_used(
-            &self.gpu,
-            &[
-                ("asked", params.as_entire_binding()),
-                ("rod", law.as_entire_binding()),
-                ("chain", law.as_entire_binding()),
-                ("contact", contact.as_entire_binding()),
-                ("air", air.as_entire_binding()),
-                ("rest", layer.rest.as_entire_binding()),
-                ("s", layer.state.as_entire_binding()),
-                ("eliminated", layer.eliminated.as_entire_binding()),
-                ("positions", layer.positions.as_entire_binding()),
-                ("field_values", self.field_values.as_entire_binding()),
-                ("capsules", capsules.as_entire_binding()),
-            ],
-        )
+        self.kernel.bind_used(&self.gpu, &resources)
     }
 }
 
@@ -332,5 +373,5 @@ fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings)
         Solver::Rods => "sim_rod",
         Solver::Chains => "sim_chain",
     };
-    library.kernel(gpu, file, "advance", &[], &[Link::Slot("sim_air", Air::new(settings).module())])
+    library.kernel(gpu, file, "advance", &[], &[Link::Slot("sim_air", module(settings))])
 }

@@ -187,7 +187,7 @@ impl SimulatedLayer {
     }
 
     /// All of a frame's steps. Twin of the entry points of `sim_rod.wgsl` and `sim_chain.wgsl`.
-    pub(crate) fn run(&mut self, air: Air, obstacles: Obstacles<'_>, frame: &Frame) {
+    pub(crate) fn run(&mut self, air: &Air, obstacles: Obstacles<'_>, frame: &Frame) {
         let n = self.rest.n_vertices as usize;
         if n < N_PINNED {
             return;

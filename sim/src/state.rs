@@ -8,13 +8,16 @@ use glam::Vec4;
 use crate::clock::Clock;
 use crate::pose::Pose;
 
+/// Arrays of a state, each of its own length.
+type Arrays<'a> = &'a [Vec<Vec4>];
+
 /// A moment of a solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolverState {
     pub(crate) clock: Clock,
     /// The head at the end of the last frame.
     pub(crate) pose: Pose,
-    /// Every array of every layer, in the solver's own order.
+    /// Every array of every layer, in the solver's own order; then those of the air.
     pub(crate) arrays: Vec<Vec<Vec4>>,
 }
 
@@ -56,9 +59,13 @@ impl SolverState {
         rest.is_empty().then_some(Self { clock: Clock::of_numbers(clock)?, pose: Pose::of_numbers(pose)?, arrays })
     }
 
-    /// Whether arrays have these lengths.
-    pub(crate) fn fits(&self, lengths: impl Iterator<Item = usize>) -> bool {
-        self.arrays.iter().map(Vec::len).eq(lengths)
+    /// The arrays of these lengths, which come first, and those of the air; `None` where the first have other lengths.
+    pub(crate) fn split(&self, lengths: impl Iterator<Item = usize>) -> Option<(Arrays<'_>, Arrays<'_>)> {
+        let lengths: Vec<usize> = lengths.collect();
+        let (hair, air) = self.arrays.split_at_checked(lengths.len())?;
+        // The air begins with its time, one vector; no strand is that short.
+        let is_air = air.first().is_none_or(|time| time.len() == 1);
+        (is_air && hair.iter().map(Vec::len).eq(lengths)).then_some((hair, air))
     }
 }
 
@@ -84,6 +91,9 @@ mod tests {
         for n in 0..bytes.len() {
             assert_eq!(SolverState::from_bytes(&bytes[..n]), None, "{n}");
         }
-        assert!(state.fits([3, 0, 1].into_iter()) && !state.fits([3, 1].into_iter()));
+        let (hair, air) = state.split([3, 0].into_iter()).unwrap();
+        assert!(hair.len() == 2 && air == [vec![Vec4::ONE]]);
+        assert!(state.split([3].into_iter()).is_none() && state.split([3, 1].into_iter()).is_none());
+        assert!(state.split([3, 0, 1, 0].into_iter()).is_none());
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::camera::direction_from_deg;
 use crate::collider::Collider;
 use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices, integer, number};
+use crate::wind::{AirSettings, WindSource};
 
 choices! {
     /// The law by which a strand moves.
@@ -30,7 +31,8 @@ choices! {
 choices! {
     /// The air that hair moves in.
     Wind {
-        Uniform = "uniform", "Steady wind", "The same velocity everywhere: no grid, no cost";
+        Uniform = "uniform", "Steady wind", "Wind, gusts and the streams of sources as if nothing stood in their way: no grid";
+        Grid = "grid", "Grid", "Air on a grid around the groom, which goes around the head and is stopped by hair";
         Off = "off", "Still air", "Hair is damped by air that does not move";
     }
 }
@@ -76,6 +78,10 @@ pub struct SimulationSettings {
     pub wind_elevation_deg: f32,
     /// cm/s. 0 is calm, 300 a breeze, 1500 a storm.
     pub wind_speed: f32,
+    /// Gusts and eddies of the steady wind, and the grid of air.
+    pub air: AirSettings,
+    /// What blows in the scene; the first [`crate::wind::MAX_SOURCES`] that are on.
+    pub sources: Vec<WindSource>,
     /// How quickly a strand takes up the speed of the air around it, 1/s.
     pub drag: f32,
     /// Distance kept between hair and head, centimetres.
@@ -109,6 +115,8 @@ impl Default for SimulationSettings {
             wind_azimuth_deg: 90.0,
             wind_elevation_deg: 0.0,
             wind_speed: 0.0,
+            air: AirSettings::default(),
+            sources: Vec::new(),
             drag: 1.5,
             collision_margin: 0.15,
             friction: 0.2,
@@ -139,7 +147,7 @@ impl SimulationSettings {
 
     /// All settings as slots, for the panel, `--set` and `lorelei looks`.
     pub fn slots(&mut self) -> Vec<Slot<'_>> {
-        const BLOWS: &[&str] = &["uniform"];
+        const BLOWS: &[&str] = &["uniform", "grid"];
         const RODS: &[&str] = &["rods"];
         const CHAINS: &[&str] = &["chains"];
         let solver = vec![
@@ -246,7 +254,7 @@ impl SimulationSettings {
                 "Of contacts, and of chains' lengths and shape, in a step",
             ),
         ];
-        let wind = vec![
+        let mut wind = vec![
             number(
                 "wind.speed",
                 "Speed",
@@ -293,6 +301,7 @@ impl SimulationSettings {
             &["growing"],
             "Half of a lock's thickness; half the distance of two vertices, and nothing slips between them",
         )];
+        wind.extend(self.air.params());
         vec![
             Slot {
                 key: "sim",

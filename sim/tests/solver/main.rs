@@ -4,3 +4,4 @@ mod contacts;
 mod grooms;
 mod laws;
 mod twins;
+mod wind;

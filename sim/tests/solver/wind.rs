@@ -1,0 +1,327 @@
+//! The laws of the grid of air, and that its twins agree.
+
+use glam::{Affine3A, Quat, Vec3, Vec4Swizzles};
+use lorelei_core::collider::{Attachment, Collider};
+use lorelei_core::distance_field::DistanceField;
+use lorelei_core::guides::GuideSet;
+use lorelei_core::look::Switch;
+use lorelei_core::simulation::{SimulationSettings, Wind};
+use lorelei_core::wind::{AirSettings, SourceKind, WindSource};
+use lorelei_shaders::{Gpu, ShaderLibrary};
+use lorelei_sim::contact::Obstacles;
+use lorelei_sim::pose::Pose;
+use lorelei_sim::wind::cpu::{HairLayer, divergence_rms};
+use lorelei_sim::wind::{CpuWind, WindFrame};
+use lorelei_sim::{CpuSolver, GpuSolver};
+
+use crate::grooms::{RADIUS, ball_field, draped};
+
+const FRAME_SECS: f32 = 1.0 / 60.0;
+
+fn windy(speed: f32, resolution: u32) -> SimulationSettings {
+    SimulationSettings {
+        wind: Wind::Grid,
+        wind_speed: speed,
+        air: AirSettings { resolution, ..AirSettings::default() },
+        ..SimulationSettings::default()
+    }
+}
+
+/// A box of 40 cm about the origin.
+fn boxed(settings: &SimulationSettings) -> CpuWind {
+    CpuWind::new([Vec3::splat(-12.5), Vec3::splat(12.5)].into_iter(), settings, Pose::IDENTITY)
+}
+
+fn pass(
+    wind: &mut CpuWind,
+    settings: &SimulationSettings,
+    field: Option<&DistanceField>,
+    frames: std::ops::Range<u32>,
+) {
+    pass_with(wind, settings, field, &[], frames);
+}
+
+fn pass_with(
+    wind: &mut CpuWind,
+    settings: &SimulationSettings,
+    field: Option<&DistanceField>,
+    hair: &[HairLayer<'_>],
+    frames: std::ops::Range<u32>,
+) {
+    for frame in frames {
+        let t_secs = f64::from(frame + 1) * f64::from(FRAME_SECS);
+        let frame = WindFrame { pose: Pose::IDENTITY, jumped: false, t_secs, frame_secs: FRAME_SECS };
+        wind.advance(settings, Obstacles::new(field, &[], settings), hair, &frame);
+    }
+}
+
+fn mean_square(wind: &CpuWind) -> f64 {
+    let air = wind.air();
+    air.cells().map(|(_, v)| f64::from(v.xyz().length_squared())).sum::<f64>() / f64::from(air.params.n).powi(3)
+}
+
+#[test]
+fn steady_wind_through_an_empty_box_stays_as_it_is() {
+    let settings = windy(350.0, 16);
+    let mut wind = boxed(&settings);
+    pass(&mut wind, &settings, None, 0..30);
+    for (_, v) in wind.air().cells() {
+        assert!(v.xyz().distance(settings.wind_velocity()) < 0.01, "{v}");
+    }
+}
+
+#[test]
+fn each_cycle_leaves_a_small_share_of_the_divergence() {
+    let field = ball_field();
+    for resolution in [16, 32, 48] {
+        // Suddenly there is a head in the wind: what it stops is what the pressure has to turn aside.
+        let left_after = |n_cycles: u32, n_frames: u32| {
+            let mut settings = windy(350.0, resolution);
+            settings.air.n_cycles = n_cycles;
+            let mut wind = boxed(&settings);
+            pass(&mut wind, &settings, Some(&field), 0..n_frames);
+            divergence_rms(wind.grid(), wind.faces())
+        };
+        let first = [1, 2, 3].map(|n_cycles| left_after(n_cycles, 1));
+        println!("{resolution} cells: {first:?} cm/s after 1, 2 and 3 cycles");
+        assert!(first[1] < 0.3 * first[0] && first[2] < 0.3 * first[1], "{resolution}: {first:?} cm/s");
+        assert!(first[1] < 1.0, "{resolution}: {first:?} cm/s");
+        // And once the wind has found its way, each frame begins with the last one's pressure.
+        let later = left_after(2, 30);
+        println!("{resolution} cells: {later} cm/s after 30 frames");
+        assert!(later < 0.1, "{resolution}: {later} cm/s");
+    }
+}
+
+#[test]
+fn the_lee_of_the_head_is_calm_and_its_sides_are_not() {
+    let settings = windy(300.0, 32);
+    let field = ball_field();
+    let mut wind = boxed(&settings);
+    pass(&mut wind, &settings, Some(&field), 0..90);
+    // Wind to +X, a ball of 9 cm.
+    let mean = |at: Vec3| {
+        let air = wind.air();
+        let around = [Vec3::ZERO, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|d| air.air_velocity(at + 2.0 * d));
+        around.iter().map(|v| v.x).sum::<f32>() / 5.0
+    };
+    let (lee, before, side, inside) =
+        (mean(Vec3::X * 12.0), mean(Vec3::X * -18.0), mean(Vec3::Y * 13.0), mean(Vec3::ZERO));
+    assert!(lee.abs() < 100.0, "lee {lee}, before {before}, side {side}");
+    assert!(before > 200.0 && side > 300.0, "lee {lee}, before {before}, side {side}");
+    assert!(inside.abs() < 1.0, "{inside}");
+    let through = {
+        let mut open = settings.clone();
+        open.air.obstacle = Switch::Off;
+        open
+    };
+    let mut wind = boxed(&through);
+    pass(&mut wind, &through, Some(&field), 0..10);
+    assert!((wind.air().air_velocity(Vec3::X * 12.0).x - 300.0).abs() < 0.1);
+}
+
+#[test]
+fn air_that_nothing_drives_loses_energy_in_every_frame() {
+    let mut settings = windy(0.0, 16);
+    settings.air.vorticity = 0.0;
+    let mut wind = boxed(&settings);
+    // A ball of air that turns, and a stream across it.
+    wind.fill(|p| (Vec3::Y.cross(p) * 20.0 + Vec3::new(0.0, 100.0, 0.0)) * (-p.length_squared() / 60.0).exp());
+    // The first frame takes the divergence away.
+    pass(&mut wind, &settings, Some(&ball_field()), 0..1);
+    let mut before = mean_square(&wind);
+    assert!(before > 1.0);
+    for frame in 1..40 {
+        pass(&mut wind, &settings, Some(&ball_field()), frame..frame + 1);
+        let now = mean_square(&wind);
+        assert!(now <= before * 1.001, "frame {frame}: {before} became {now}");
+        before = now;
+    }
+}
+
+#[test]
+fn hair_stops_the_wind_as_much_as_there_is_of_it() {
+    let settings = windy(200.0, 16);
+    // A block of hair of 16 cm.
+    let positions: Vec<_> = (0..17 * 17)
+        .flat_map(|i| (0..17).map(move |k| Vec3::new((i % 17) as f32, k as f32, (i / 17) as f32) - 8.0))
+        .map(|p| p.extend(0.0))
+        .collect();
+    let inside = |n_hairs: f32| {
+        let hair = HairLayer { n_vertices: 17, positions: &positions, n_hairs, length_cm: 16.0 * n_hairs };
+        let mut wind = boxed(&settings);
+        pass_with(&mut wind, &settings, None, &[hair], 0..60);
+        wind.air().air_velocity(Vec3::ZERO).x
+    };
+    let (none, thin, thick) = (inside(0.0), inside(2_000.0), inside(60_000.0));
+    assert!((none - 200.0).abs() < 0.1, "{none}");
+    assert!(thin < 0.9 * none && thick < 0.3 * thin && thick >= 0.0, "{none} {thin} {thick}");
+}
+
+#[test]
+fn a_fan_blows_along_its_axis_and_a_vortex_around_it() {
+    let fan = WindSource {
+        place: Vec3::X * -12.0,
+        direction: Vec3::X,
+        radius: 5.0,
+        speed: 500.0,
+        eddies: lorelei_core::wind::Eddies::default(),
+        ..WindSource::default()
+    };
+    let mut settings = SimulationSettings { sources: vec![fan.clone()], ..windy(0.0, 32) };
+    let mut wind = boxed(&settings);
+    pass(&mut wind, &settings, None, 0..60);
+    let air = wind.air();
+    let (core, aside) = (air.air_velocity(Vec3::X * -5.0), air.air_velocity(Vec3::new(-5.0, 15.0, 0.0)));
+    assert!((core.x / 500.0 - 1.0).abs() < 0.15 && aside.length() < 100.0, "{core} {aside}");
+    settings.sources = vec![WindSource { kind: SourceKind::Vortex, place: Vec3::ZERO, radius: 10.0, ..fan.clone() }];
+    let mut wind = boxed(&settings);
+    pass(&mut wind, &settings, None, 0..60);
+    let around = wind.air().air_velocity(Vec3::Y * 5.0);
+    assert!(around.z > 250.0 && around.x.abs() < 60.0, "{around}");
+    // A fan outside of the box blows in through its boundary.
+    settings.sources = vec![WindSource { place: Vec3::X * -40.0, ..fan }];
+    let mut wind = boxed(&settings);
+    pass(&mut wind, &settings, None, 0..60);
+    let core = wind.air().air_velocity(Vec3::ZERO);
+    assert!(core.x > 300.0, "{core}");
+}
+
+#[test]
+fn a_head_that_moves_pushes_the_air_before_it() {
+    let settings = windy(0.0, 16);
+    let field = ball_field();
+    let mut wind = boxed(&settings);
+    for frame in 0..20_u32 {
+        let pose = Pose { rotation: Quat::IDENTITY, translation: Vec3::X * (frame as f32 * 1.0) };
+        let frame = WindFrame { pose, jumped: false, t_secs: 0.0, frame_secs: FRAME_SECS };
+        wind.advance(&settings, Obstacles::new(Some(&field), &[], &settings), &[], &frame);
+    }
+    // The head goes 60 cm/s; air on its front goes with it, at its side it comes back.
+    let (front, side) = (Vec3::X * (19.0 + RADIUS + 1.5), Vec3::new(19.0, RADIUS + 3.0, 0.0));
+    let air = wind.air();
+    assert!(air.air_velocity(front).x > 20.0 && air.air_velocity(side).x < 5.0);
+}
+
+#[test]
+fn nonsense_leaves_numbers() {
+    let mut settings = windy(f32::INFINITY, 16);
+    settings.air.vorticity = f32::NAN;
+    settings.air.hair_drag = f32::INFINITY;
+    settings.air.n_cycles = u32::MAX;
+    settings.sources = vec![WindSource { place: Vec3::NAN, speed: 1e30, ..WindSource::default() }];
+    let nowhere = vec![glam::Vec4::splat(f32::NAN); 40];
+    let hair = HairLayer { n_vertices: 4, positions: &nowhere, n_hairs: f32::INFINITY, length_cm: f32::NAN };
+    let points = [Vec3::NAN, Vec3::splat(1e30)].into_iter();
+    let mut wind = CpuWind::new(points, &settings, Pose::IDENTITY);
+    wind.fill(|p| if p.x > 0.0 { Vec3::NAN } else { Vec3::splat(1e30) });
+    for frame_secs in [1e30, f32::NAN, -1.0, 1e-30, 0.016, 0.016] {
+        let frame = WindFrame { pose: Pose::IDENTITY, jumped: false, t_secs: f64::INFINITY, frame_secs };
+        wind.advance(&settings, Obstacles::new(None, &[], &settings), &[hair], &frame);
+    }
+    assert!(wind.air().cells().all(|(_, v)| v.is_finite()));
+    // And nothing of it stays: it began with a stream of 5000 cm/s.
+    let calm = windy(0.0, 16);
+    pass(&mut wind, &calm, None, 0..240);
+    let fastest = wind.air().cells().map(|(_, v)| v.xyz().length()).fold(0.0, f32::max);
+    assert!(fastest < 15.0, "{fastest} cm/s");
+}
+
+struct Twins {
+    gpu: Gpu,
+    on_cpu: CpuSolver,
+    on_gpu: GpuSolver,
+}
+
+impl Twins {
+    fn new(guides: &GuideSet, settings: &SimulationSettings) -> Self {
+        let (gpu, field) = (Gpu::headless().unwrap(), ball_field());
+        let on_gpu = GpuSolver::new(&gpu, &ShaderLibrary::embedded(), &[guides], Some(&field), settings).unwrap();
+        Self { on_cpu: CpuSolver::new(&[guides], Some(&field), settings), on_gpu, gpu }
+    }
+
+    fn advance(&mut self, pose: &Affine3A) {
+        self.on_cpu.set_head_pose(pose);
+        self.on_gpu.set_head_pose(pose);
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.on_gpu.advance(&mut encoder, FRAME_SECS).unwrap();
+        self.gpu.queue.submit([encoder.finish()]);
+        self.on_cpu.advance(FRAME_SECS);
+    }
+}
+
+fn stormy() -> SimulationSettings {
+    let mut settings = windy(300.0, 24);
+    settings.air.eddies.amount = 0.3;
+    settings.air.gusts.strength = 0.5;
+    let arm = Collider {
+        ends: [Vec3::new(9.0, -8.0, 2.0), Vec3::new(14.0, -8.0, 2.0)],
+        radii: [3.0, 2.0],
+        ..Collider::default()
+    };
+    settings.colliders =
+        vec![arm.clone(), Collider { attached: Attachment::World, ends: arm.ends.map(|end| -end), ..arm }];
+    let fan = WindSource { place: Vec3::new(0.0, 12.0, 14.0), direction: Vec3::NEG_Z, ..WindSource::default() };
+    let vortex = WindSource { kind: SourceKind::Vortex, place: Vec3::new(-12.0, 0.0, 0.0), ..WindSource::default() };
+    settings.sources = vec![fan, vortex];
+    settings
+}
+
+#[test]
+fn the_twins_of_the_grid_agree() {
+    let guides = draped(60, 12, 14.0, 0.2);
+    let mut twins = Twins::new(&guides, &stormy());
+    for frame in 0..6 {
+        let angle = 0.05 * frame as f32;
+        twins.advance(&Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), Vec3::X * (10.0 * angle)));
+        let (on_cpu, on_gpu) = (twins.on_cpu.air_grid().unwrap(), twins.on_gpu.air_grid().unwrap());
+        assert_eq!(on_cpu.grid(), on_gpu.grid());
+        let (cpu_air, gpu_air) = (on_cpu.air(), on_gpu.read_air().unwrap());
+        let mut farthest = 0.0_f32;
+        for ((_, a), (_, b)) in cpu_air.cells().zip(gpu_air.cells()) {
+            farthest = farthest.max(a.distance(b));
+        }
+        // Speeds reach 600 cm/s.
+        assert!(farthest < 0.5, "frame {frame}: {farthest} cm/s apart");
+        let left = divergence_rms(on_gpu.grid(), &on_gpu.read_faces().unwrap());
+        assert!(left < 10.0, "frame {frame}: {left} cm/s");
+    }
+}
+
+#[test]
+fn a_state_that_is_put_back_goes_on_as_it_did() {
+    let guides = draped(40, 12, 14.0, 0.2);
+    let mut twins = Twins::new(&guides, &stormy());
+    let pose = |frame: u32| Affine3A::from_rotation_y(0.05 * frame as f32);
+    let run = |twins: &mut Twins| {
+        (3..6).for_each(|frame| twins.advance(&pose(frame)));
+        (twins.on_cpu.air_grid().unwrap().air().air, twins.on_gpu.air_grid().unwrap().read_air().unwrap().air)
+    };
+    (0..3).for_each(|frame| twins.advance(&pose(frame)));
+    let (on_cpu, on_gpu) = (twins.on_cpu.read_state(), twins.on_gpu.read_state().unwrap());
+    let first = run(&mut twins);
+    assert!(twins.on_cpu.write_state(&on_cpu) && twins.on_gpu.write_state(&on_gpu));
+    assert!(run(&mut twins) == first, "in the same solver");
+    let mut others = Twins::new(&guides, &stormy());
+    assert!(others.on_cpu.write_state(&on_cpu) && others.on_gpu.write_state(&on_gpu));
+    assert!(run(&mut others) == first, "in another");
+}
+
+#[test]
+fn the_same_inputs_give_the_same_air_on_the_gpu() {
+    let guides = draped(40, 12, 14.0, 0.2);
+    let run = || {
+        let mut twins = Twins::new(&guides, &stormy());
+        for frame in 0..3 {
+            twins.advance(&Affine3A::from_rotation_y(0.05 * frame as f32));
+        }
+        // A reset begins again at the time 0.
+        twins.on_gpu.set_head_pose(&Affine3A::IDENTITY);
+        twins.on_gpu.reset();
+        for frame in 0..3 {
+            twins.advance(&Affine3A::from_rotation_y(0.05 * frame as f32));
+        }
+        twins.on_gpu.air_grid().unwrap().read_air().unwrap().air
+    };
+    assert_eq!(run(), run());
+}
