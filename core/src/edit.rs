@@ -22,6 +22,7 @@ use crate::lod::LodSettings;
 use crate::look::Look;
 use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, TileChange};
+use crate::motion::Movement;
 use crate::panorama::Panorama;
 use crate::sculpt::{self, Sculpt, SculptChange, SculptInfo, SculptLayer, SculptRoots, Stroke};
 use crate::simulation::SimulationSettings;
@@ -40,6 +41,8 @@ pub enum Edit {
     SetSimulation(Box<SimulationSettings>),
     /// What hair keeps out of beside the head: a part of the settings of movement.
     SetColliders(Vec<Collider>),
+    /// What happens on the timeline: motion, range, frames a second.
+    SetMovement(Box<Movement>),
     AddLayer {
         layer_idx: usize,
         layer: Box<Layer>,
@@ -187,6 +190,7 @@ impl Groom {
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),
             Edit::SetColliders(colliders) => Edit::SetColliders(replace(&mut self.simulation.colliders, colliders)),
+            Edit::SetMovement(movement) => Edit::SetMovement(Box::new(replace(&mut self.movement, *movement))),
             Edit::AddLayer { layer_idx, layer } => {
                 let n_layers = self.layers.len();
                 if layer_idx > n_layers {

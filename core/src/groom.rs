@@ -13,6 +13,7 @@ use crate::look::{Background, Environment, Look, Param, ParamValue, Surroundings
 use crate::maps::{MapKind, Maps, ScalpMap};
 pub use crate::material::{HairMaterial, HairPreset, Pigment};
 use crate::mesh::TriMesh;
+use crate::motion::Movement;
 use crate::panorama::{Panorama, embedded::embedded};
 use crate::sculpt::Sculpt;
 use crate::simulation::SimulationSettings;
@@ -34,6 +35,8 @@ pub struct Groom {
     pub panorama: Option<Arc<Panorama>>,
     pub lod: LodSettings,
     pub simulation: SimulationSettings,
+    /// What happens on the timeline.
+    pub movement: Movement,
 }
 
 impl Default for Groom {
@@ -47,6 +50,7 @@ impl Default for Groom {
             panorama: None,
             lod: LodSettings::default(),
             simulation: SimulationSettings::default(),
+            movement: Movement::default(),
         }
     }
 }

@@ -87,6 +87,13 @@ impl GuideSet {
         (Self { n_vertices: n_vertices as u32, positions }, knots)
     }
 
+    /// Which vertices of a guide of `n_vertices` are the vertices of the chain of `n_chain` that it was made of, root first.
+    pub fn samples_of_chain(n_chain: usize, n_vertices: usize) -> Vec<usize> {
+        let parameters = divide_gaps(n_chain.saturating_sub(1), n_vertices.saturating_sub(1));
+        let sample_at = |k: usize| parameters.iter().position(|&u| u >= k as f32).unwrap_or(parameters.len() - 1);
+        (0..n_chain).map(sample_at).collect()
+    }
+
     /// Knots of guides whose vertices are evenly spaced.
     pub fn even_knots(&self) -> Vec<f32> {
         let last = self.n_vertices.max(2) - 1;

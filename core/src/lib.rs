@@ -40,3 +40,4 @@ pub mod simulation;
 pub mod strands;
 pub mod style;
 pub mod wind;
+pub mod take_over;

@@ -7,7 +7,7 @@ use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::{Choice, Look, set};
-use lorelei_core::motion::Motion;
+use lorelei_core::motion::{Motion, Movement};
 use lorelei_render::versus::Comparison;
 use lorelei_shaders::Gpu;
 use serde_json::json;
@@ -158,7 +158,9 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if arguments.turntable.is_none() {
         check_png(&arguments.out)?;
     }
-    let Scene { groom, camera, mut warnings } = arguments.scene.read(arguments.size)?;
+    let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size)?;
+    let Movement { motion, .. } = groom.movement;
+    groom.movement.motion = arguments.motion.unwrap_or(motion);
 
     let start = Instant::now();
     let gpu = Gpu::headless().map_err(CliError::failed)?;
@@ -179,21 +181,22 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         return write_turntable(arguments, &mut stage, &camera, n_pictures);
     }
 
-    let playback =
-        Playback { is_playing: true, motion: arguments.motion.unwrap_or(Motion::None), ..Playback::default() };
-    let still = Playback { is_playing: arguments.seconds.is_some(), ..playback };
+    let mut playback = Playback::default();
     if let Some(seconds) = arguments.seconds {
-        // Movement does not depend on the frame rate; small pictures pass the time quickly.
-        const FRAME_SECS: f32 = 1.0 / 60.0;
-        let n_frames = (seconds / FRAME_SECS).round() as u32;
-        for _ in 0..n_frames {
-            let detail = Detail { lod: 0.0, ..Detail::FULL };
-            stage.frame(&playback, FRAME_SECS, &camera, [16, 16], detail).map_err(CliError::failed)?;
+        let Movement { fps, start, .. } = groom.movement.bounded();
+        playback.seek(start + (seconds * fps).round() as u32);
+        // Small pictures pass the time quickly.
+        let detail = Detail { lod: 0.0, ..Detail::FULL };
+        loop {
+            stage.frame(&playback, 0.0, &camera, [16, 16], detail).map_err(CliError::failed)?;
+            if stage.player().wanted().is_none() {
+                break;
+            }
         }
     }
     let frame = |stage: &mut Stage, camera: &Camera| -> Result<f32, CliError> {
         let start = Instant::now();
-        stage.frame(&still, 0.0, camera, arguments.size, Detail::FULL).map_err(CliError::failed)?;
+        stage.frame(&playback, 0.0, camera, arguments.size, Detail::FULL).map_err(CliError::failed)?;
         Ok(ms_since(start))
     };
     let first_frame_ms = frame(&mut stage, &camera)?;

@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use glam::Vec4Swizzles;
 use image::RgbaImage;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::Choice;
-use lorelei_core::motion::Motion;
+use lorelei_core::motion::{Motion, Movement};
 use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
 use lorelei_sim::Measure;
@@ -18,7 +17,9 @@ use serde_json::json;
 use super::render::{parse_motion, parse_seconds, parse_size};
 use super::scene::{Scene, SceneArguments};
 use super::{CliError, check_png, make_folder_of, print_line};
+use crate::movement::file::{Contents, EXTENSION, Writer};
 use crate::movement::filmstrip::{filmstrip, frames_of};
+use crate::movement::range::header_of;
 use crate::movement::solver::On;
 use crate::movement::{Course, Run, Shot, Subject};
 use crate::stage::pacer::Detail;
@@ -38,26 +39,27 @@ What is printed, of the guides that strands are made from:
 pub struct SimulateArguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// What happens: none, turn, nod, shake, walk, jump, gust.
-    #[arg(long, value_name = "NAME", default_value = "shake", value_parser = parse_motion)]
-    motion: Motion,
-    /// How long it moves.
-    #[arg(long, value_name = "S", default_value = "3", value_parser = parse_seconds)]
-    seconds: f32,
+    /// What happens: none, turn, nod, shake, walk, jump, gust. Without it: what the groom's timeline says.
+    #[arg(long, value_name = "NAME", value_parser = parse_motion)]
+    motion: Option<Motion>,
+    /// How long it moves. Without it: the groom's range.
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    seconds: Option<f32>,
     /// How long it rests then, after the motion has gone on to its end.
     #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds)]
     rest: f32,
     /// Let this much time pass before the first frame.
-    #[arg(long, value_name = "S", default_value = "0", value_parser = parse_seconds)]
-    warm_up: f32,
+    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    warm_up: Option<f32>,
     /// Frames a second: where the hair is measured and drawn. The steps between are the solver's own.
-    #[arg(long, value_name = "N", default_value = "60", value_parser = parse_fps)]
-    fps: f32,
+    #[arg(long, value_name = "N", value_parser = parse_fps)]
+    fps: Option<f32>,
     /// The solver of the graphics device, or its twin on all cores.
     #[arg(long, value_enum, default_value = "gpu")]
     on: Device,
-    /// A folder for a picture of every frame: frame-0000.png and on.
-    #[arg(long, value_name = "FOLDER")]
+    /// A folder for a picture of every frame: frame-0000.png and on; or NAME.frames: the frames in a file, which the
+    /// studio opens, and which goes on where an interrupted run has ended.
+    #[arg(long, value_name = "FOLDER|NAME.frames")]
     out: Option<PathBuf>,
     /// Eight frames side by side: .png.
     #[arg(long, value_name = "PATH")]
@@ -75,6 +77,20 @@ pub struct SimulateArguments {
 enum Device {
     Cpu,
     Gpu,
+}
+
+impl SimulateArguments {
+    /// What is not asked for is as the groom says.
+    fn set_movement(&self, groom: &mut Groom) {
+        let movement = &mut groom.movement;
+        movement.motion = self.motion.unwrap_or(movement.motion);
+        movement.fps = self.fps.unwrap_or(movement.fps);
+        movement.warm_up_secs = self.warm_up.unwrap_or(movement.warm_up_secs);
+        if let Some(seconds) = self.seconds {
+            movement.end = movement.start + (seconds * movement.fps).round().max(1.0) as u32;
+        }
+        *movement = movement.bounded();
+    }
 }
 
 pub(super) fn parse_fps(text: &str) -> Result<f32, String> {
@@ -113,7 +129,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.filmstrip {
         check_png(path)?;
     }
-    let Scene { groom, camera, warnings } = arguments.scene.read(arguments.size)?;
+    let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size)?;
+    arguments.set_movement(&mut groom);
     if !arguments.json {
         for warning in &warnings {
             eprintln!("warning: {warning}");
@@ -125,33 +142,60 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         return Err(CliError::failed(format!("{}: there is no hair in it that could move", groom.name)));
     }
     let gpu = (arguments.on == Device::Gpu).then(Gpu::headless).transpose().map_err(CliError::failed)?;
-    let adapter = gpu.as_ref().map_or("CPU, all cores".to_owned(), |gpu| gpu.adapter_info.name.clone());
     let on = gpu.map_or(On::Cpu, |gpu| On::Gpu(Box::new(gpu)));
+    let adapter = on.device();
     let start = Instant::now();
-    let course = Course::of(&groom, arguments.motion);
-    let mut run =
-        Run::start(on, &subject, course.clone(), arguments.fps, arguments.warm_up).map_err(CliError::failed)?;
+    let course = Course::of(&groom);
+    let Movement { fps, start: first, end, .. } = groom.movement;
+    let mut run = Run::start(on, &subject, course.clone(), &groom.movement).map_err(CliError::failed)?;
 
-    let n_frames = (arguments.seconds * arguments.fps).round() as u32;
+    let n_frames = end - first;
     let of_strip = if arguments.filmstrip.is_some() { frames_of(n_frames) } else { Vec::new() };
+    let of_strip: Vec<u32> = of_strip.into_iter().map(|at| first + at).collect();
     let mut tally = Tally::default();
     let mut shots: Vec<(u32, Shot)> = Vec::new();
+    let file = arguments.out.as_deref().filter(|out| is_frames(out));
+    let header = header_of(&subject, &course, &groom.movement, &adapter);
+    let opened = file.map(|path| Writer::open(path, &header)).transpose().map_err(CliError::failed)?;
+    let (mut writer, left) = opened.map_or((None, None), |(writer, left)| (Some(writer), left));
+    let mut gone_on_from = None;
+    if let Some(Contents { shots: known, state: Some((frame_idx, state)), .. }) = left
+        && run.go_on_from(frame_idx, &state)
+    {
+        gone_on_from = Some(frame_idx);
+        shots.extend(known.into_iter().filter(|(at, _)| *at < frame_idx && of_strip.contains(at)));
+    }
     loop {
         let measure = run.measure().map_err(CliError::failed)?;
+        let frame_idx = run.frame_idx();
         tally.add(run.secs(), &measure);
-        if arguments.out.is_some() || of_strip.contains(&run.frame_idx()) {
-            shots.push((run.frame_idx(), run.shot().map_err(CliError::failed)?));
+        let is_drawn = (arguments.out.is_some() && file.is_none()) || of_strip.contains(&frame_idx);
+        if is_drawn || writer.is_some() {
+            let shot = run.shot().map_err(CliError::failed)?;
+            if let Some(writer) = writer.as_mut().filter(|_| gone_on_from != Some(frame_idx))
+                && writer.frame(frame_idx, &shot).map_err(CliError::failed)?
+            {
+                let state = run.read_state().map_err(CliError::failed)?;
+                writer.state(frame_idx, &state).map_err(CliError::failed)?;
+            }
+            if is_drawn {
+                shots.push((frame_idx, shot));
+            }
         }
-        if run.frame_idx() >= n_frames {
+        if frame_idx >= end {
             break;
         }
         run.next_frame().map_err(CliError::failed)?;
     }
-    let end_secs = f64::from(course.end_after(arguments.seconds));
-    let rest_frames = f64::from(arguments.rest * arguments.fps).round() as u32;
-    let n_moving = ((end_secs * f64::from(arguments.fps)).ceil() as u32).max(n_frames);
+    if let Some(mut writer) = writer {
+        let state = run.read_state().map_err(CliError::failed)?;
+        writer.state(end, &state).and_then(|()| writer.finish()).map_err(CliError::failed)?;
+    }
+    let end_secs = f64::from(course.end_after(groom.movement.secs_of(end) as f32));
+    let rest_frames = f64::from(arguments.rest * fps).round() as u32;
+    let n_moving = ((end_secs * f64::from(fps)).ceil() as u32).max(end);
     run.end_course_at(n_moving);
-    for _ in n_frames..n_moving + rest_frames {
+    for _ in end..n_moving + rest_frames {
         run.next_frame().map_err(CliError::failed)?;
     }
     let at_rest = run.measure().map_err(CliError::failed)?;
@@ -159,7 +203,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     let n_not_finite = tally.n_not_finite.max(at_rest.n_not_finite);
     let all_ms = start.elapsed().as_secs_f64() * 1e3;
 
-    if arguments.out.is_some() || arguments.filmstrip.is_some() {
+    if (arguments.out.is_some() && file.is_none()) || arguments.filmstrip.is_some() {
         let line = format!(
             "length error {:.4} % rms, deepest {:.3} cm, at rest {:.4} cm/s, {ms_per_step:.2} ms a step on {adapter}",
             100.0 * tally.length_error_rms(),
@@ -172,9 +216,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     if arguments.json {
         let json = json!({
             "adapter": adapter,
-            "motion": arguments.motion.info().name,
-            "seconds": arguments.seconds,
-            "fps": arguments.fps,
+            "motion": course.motion.info().name,
+            "seconds": f64::from(n_frames) / f64::from(fps),
+            "fps": fps,
             "guides": subject.n_guides(),
             "vertices": subject.n_vertices(),
             "steps": n_steps,
@@ -188,6 +232,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
             "nan": n_not_finite,
             "ms_per_step": ms_per_step,
             "all_ms": all_ms,
+            "gone_on_from": gone_on_from,
             "warnings": warnings,
             "out": arguments.out,
             "filmstrip": arguments.filmstrip,
@@ -197,8 +242,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     print_line(&format!(
         "{}: {} for {} s, {} guides with {} vertices, {n_steps} steps on {adapter}",
         groom.name,
-        arguments.motion.info().label,
-        arguments.seconds,
+        course.motion.info().label,
+        f64::from(n_frames) / f64::from(fps),
         subject.n_guides(),
         subject.n_vertices()
     ))?;
@@ -227,27 +272,33 @@ fn draw(
     let camera = camera_for(groom, camera, shots, arguments.size);
     let mut stage = Stage::new(Gpu::headless().map_err(CliError::failed)?).map_err(CliError::failed)?;
     stage.set_bound(groom, bound).map_err(CliError::failed)?;
-    if let Some(folder) = &arguments.out {
+    let folder = arguments.out.as_ref().filter(|out| !is_frames(out));
+    if let Some(folder) = folder {
         std::fs::create_dir_all(folder).map_err(|why| CliError::Failed(format!("{}: {why}", folder.display())))?;
     }
     let mut strip = Vec::new();
     for (frame_idx, shot) in shots {
-        stage.set_shot(Some(shot));
+        stage.show_shot(shot);
         stage.frame(&Playback::default(), 0.0, &camera, arguments.size, Detail::FULL).map_err(CliError::failed)?;
         let picture = stage.read_pixels().map_err(CliError::failed)?;
-        if let Some(folder) = &arguments.out {
+        if let Some(folder) = folder {
             write_png(&folder.join(format!("frame-{frame_idx:04}.png")), &picture)?;
         }
         if of_strip.contains(frame_idx) {
-            strip.push((f64::from(*frame_idx) / f64::from(arguments.fps), picture));
+            strip.push((groom.movement.secs_of(*frame_idx), picture));
         }
     }
     if let Some(path) = &arguments.filmstrip {
-        let title = format!("{}: {}", groom.name, arguments.motion.info().label);
+        let title = format!("{}: {}", groom.name, groom.movement.motion.info().label);
         make_folder_of(path)?;
         write_png(path, &filmstrip(&title, line, &strip))?;
     }
     Ok(())
+}
+
+/// Whether frames go into a file rather than a folder of pictures.
+fn is_frames(out: &Path) -> bool {
+    out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(EXTENSION))
 }
 
 fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), CliError> {
@@ -266,7 +317,7 @@ fn camera_for(groom: &Groom, camera: &Camera, shots: &[(u32, Shot)], size: [u32;
     }
     let (mut low, mut high) = at_rest;
     for (_, shot) in shots {
-        for p in shot.positions.iter().flatten().map(|p| p.xyz()).filter(|p| p.is_finite()) {
+        for p in shot.positions.iter().flatten().filter(|p| p.is_finite()) {
             // An explosion need not be framed whole.
             let p = p.clamp(at_rest.0 - 60.0, at_rest.1 + 60.0);
             (low, high) = (low.min(p), high.max(p));

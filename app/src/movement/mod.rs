@@ -5,13 +5,17 @@
 //! length. The same inputs give the same frames on one device.
 
 pub mod course;
+pub mod file;
 pub mod filmstrip;
+pub mod frames;
+pub mod key;
+pub mod range;
 pub mod run;
 pub mod solver;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec4};
+use glam::{Affine3A, Vec3};
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_render::Bound;
@@ -46,5 +50,12 @@ impl Subject {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
     pub world_from_head: Affine3A,
-    pub positions: Vec<Vec<Vec4>>,
+    pub positions: Vec<Vec<Vec3>>,
+}
+
+impl Shot {
+    /// Bytes that it takes in memory.
+    pub fn n_bytes(&self) -> usize {
+        size_of::<Self>() + self.positions.iter().map(|layer| size_of_val(layer.as_slice())).sum::<usize>()
+    }
 }

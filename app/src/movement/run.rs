@@ -1,7 +1,7 @@
 //! A solver taken through a course in frames of one length.
 
-use lorelei_core::motion::HeadPose;
-use lorelei_sim::Measure;
+use lorelei_core::motion::{HeadPose, Movement};
+use lorelei_sim::{Measure, SolverState};
 
 use super::solver::{On, Piece, Solver, SolverError};
 use super::{Course, Shot, Subject};
@@ -16,7 +16,7 @@ const STEPS_PER_PIECE: f64 = 48.0;
 pub struct Run {
     solver: Solver,
     course: Course,
-    fps: f32,
+    movement: Movement,
     frame_idx: u32,
     /// The course stands still from this frame on.
     ends_at: Option<u32>,
@@ -25,28 +25,36 @@ pub struct Run {
 }
 
 impl Run {
-    /// At frame 0, at rest; `warm_up_secs` have passed in the pose and the air of time 0.
-    pub fn start(on: On, subject: &Subject, course: Course, fps: f32, warm_up_secs: f32) -> Result<Self, SolverError> {
-        let solver = Solver::new(on, subject, &course.settings_at(0.0), &course.pose(0.0))?;
-        let mut run = Self { solver, course, fps, frame_idx: 0, ends_at: None, n_steps: 0, ms: 0.0 };
-        let n_frames = (warm_up_secs * fps).round() as u32;
+    /// At the first frame, at rest; the warm-up has passed in the pose and the air of that frame.
+    pub fn start(on: On, subject: &Subject, course: Course, movement: &Movement) -> Result<Self, SolverError> {
+        let movement = movement.bounded();
+        let first_secs = movement.secs_of(movement.start);
+        let settings = course.settings_at(first_secs as f32);
+        let solver = Solver::new(on, subject, &settings, &course.pose(first_secs as f32))?;
+        let frame_idx = movement.start;
+        let mut run = Self { solver, course, movement, frame_idx, ends_at: None, n_steps: 0, ms: 0.0 };
+        let n_frames = (run.movement.warm_up_secs * run.movement.fps).round() as u32;
         for _ in 0..n_frames {
-            run.pass(0.0, 0.0)?;
+            run.pass(first_secs, first_secs)?;
         }
         Ok(run)
     }
 
     /// Simulate up to the next frame.
     pub fn next_frame(&mut self) -> Result<(), SolverError> {
-        let of_course = |frame_idx: u32| secs_of(self.ends_at.map_or(frame_idx, |end| end.min(frame_idx)), self.fps);
-        self.pass(of_course(self.frame_idx), of_course(self.frame_idx + 1))?;
+        self.pass(self.course_secs(self.frame_idx), self.course_secs(self.frame_idx + 1))?;
         self.frame_idx += 1;
         Ok(())
     }
 
+    /// Where in its course a frame is, seconds.
+    fn course_secs(&self, frame_idx: u32) -> f64 {
+        self.movement.secs_of(self.ends_at.map_or(frame_idx, |end| end.min(frame_idx)))
+    }
+
     /// Let a frame's time pass while the course goes from one time to another.
     fn pass(&mut self, before: f64, after: f64) -> Result<(), SolverError> {
-        let pieces = pieces(&self.course, self.fps, before, after, HeadPose::default());
+        let pieces = pieces(&self.course, self.movement.fps, before, after, HeadPose::default());
         let (n_steps, ms) = self.solver.advance(&pieces)?;
         self.n_steps += n_steps;
         self.ms += ms;
@@ -64,7 +72,7 @@ impl Run {
 
     /// Time of the present frame.
     pub fn secs(&self) -> f64 {
-        secs_of(self.frame_idx, self.fps)
+        self.movement.secs_of(self.frame_idx)
     }
 
     /// Steps so far, and what one took.
@@ -78,14 +86,23 @@ impl Run {
 
     /// The present frame.
     pub fn shot(&self) -> Result<Shot, SolverError> {
-        let world_from_head = self.course.pose(self.secs() as f32);
+        let world_from_head = self.course.pose(self.course_secs(self.frame_idx) as f32);
         Ok(Shot { world_from_head, positions: self.solver.positions()? })
     }
-}
 
-/// Time of a frame.
-pub fn secs_of(frame_idx: u32, fps: f32) -> f64 {
-    f64::from(frame_idx) / f64::from(fps)
+    /// Everything that the next frame follows from, beside its number.
+    pub fn read_state(&self) -> Result<SolverState, SolverError> {
+        self.solver.read_state()
+    }
+
+    /// Go on from a frame; false where the state is of other guides.
+    pub fn go_on_from(&mut self, frame_idx: u32, state: &SolverState) -> bool {
+        let fits = self.solver.write_state(state);
+        if fits {
+            self.frame_idx = frame_idx;
+        }
+        fits
+    }
 }
 
 /// A frame's time cut into pieces, while the course goes from one time to another.
@@ -106,7 +123,7 @@ pub fn pieces(course: &Course, fps: f32, before: f64, after: f64, dragged: HeadP
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use std::sync::Arc;
 
     use glam::Vec3;
@@ -126,26 +143,35 @@ mod tests {
         Subject { bindings: vec![Arc::new(binding)], field: None }
     }
 
-    fn shake() -> Course {
-        Course { motion: Motion::Shake, neck: Vec3::NEG_Y * 8.0, settings: SimulationSettings::default() }
+    pub fn shake() -> Course {
+        Course { motion: Motion::Shake, ..Course::still(Vec3::NEG_Y * 8.0, SimulationSettings::default()) }
+    }
+
+    fn film(warm_up_secs: f32) -> Movement {
+        Movement { fps: 24.0, warm_up_secs, ..Movement::default() }
     }
 
     #[test]
-    fn the_same_inputs_give_the_same_frames() {
-        let frames = || {
-            let mut run = Run::start(On::Cpu, &two_strands(), shake(), 24.0, 0.5).unwrap();
-            let shots: Vec<Shot> = (0..24)
-                .map(|_| {
-                    run.next_frame().unwrap();
-                    run.shot().unwrap()
-                })
-                .collect();
-            assert_eq!(run.cost().0, 240 + 120, "steps of a second and of the warm-up");
-            shots
-        };
-        let shots = frames();
+    fn the_same_inputs_give_the_same_frames_and_a_kept_state_goes_on_with_them() {
+        let subject = two_strands();
+        let mut run = Run::start(On::Cpu, &subject, shake(), &film(0.5)).unwrap();
+        let mut shots = Vec::new();
+        let mut state = None;
+        for _ in 0..24 {
+            run.next_frame().unwrap();
+            shots.push(run.shot().unwrap());
+            if run.frame_idx() == 12 {
+                state = Some(run.read_state().unwrap());
+            }
+        }
+        assert_eq!(run.cost().0, 240 + 120, "steps of a second and of the warm-up");
         assert_ne!(shots[22], shots[23]);
-        assert_eq!(frames(), shots);
+        let mut again = Run::start(On::Cpu, &subject, shake(), &film(0.0)).unwrap();
+        assert!(again.go_on_from(12, &state.unwrap()));
+        for shot in &shots[12..] {
+            again.next_frame().unwrap();
+            assert_eq!(again.shot().unwrap(), *shot);
+        }
     }
 
     #[test]

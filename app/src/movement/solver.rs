@@ -2,10 +2,10 @@
 
 use std::time::Instant;
 
-use glam::{Affine3A, Vec4};
+use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
-use lorelei_sim::{CpuSolver, GpuSolver, Measure};
+use lorelei_sim::{CpuSolver, GpuSolver, Measure, SolverState};
 
 use super::Subject;
 use crate::stage::shader_library;
@@ -23,6 +23,16 @@ pub enum SolverError {
 pub enum On {
     Cpu,
     Gpu(Box<Gpu>),
+}
+
+impl On {
+    /// The device, by name.
+    pub fn device(&self) -> String {
+        match self {
+            Self::Cpu => "CPU, all cores".to_owned(),
+            Self::Gpu(gpu) => gpu.adapter_info.name.clone(),
+        }
+    }
 }
 
 /// A piece of a frame: the head at its end, the settings during it, its length.
@@ -112,11 +122,12 @@ impl Solver {
     }
 
     /// Every layer's guides as the picture shows them, world.
-    pub fn positions(&self) -> Result<Vec<Vec<Vec4>>, SolverError> {
+    pub fn positions(&self) -> Result<Vec<Vec<Vec3>>, SolverError> {
+        let xyz = |positions: &[Vec4]| positions.iter().map(|p| p.xyz()).collect();
         (0..self.n_layers)
             .map(|layer_idx| match &self.which {
-                Which::Cpu(solver) => Ok(solver.positions(layer_idx).to_vec()),
-                Which::Gpu(solver, _) => Ok(solver.read_positions(layer_idx)?),
+                Which::Cpu(solver) => Ok(xyz(solver.positions(layer_idx))),
+                Which::Gpu(solver, _) => Ok(xyz(&solver.read_positions(layer_idx)?)),
             })
             .collect()
     }
@@ -126,6 +137,22 @@ impl Solver {
         match &self.which {
             Which::Cpu(solver) => Ok(solver.measure()),
             Which::Gpu(solver, _) => Ok(solver.measure()?),
+        }
+    }
+
+    /// Everything that the solver goes on from.
+    pub fn read_state(&self) -> Result<SolverState, SolverError> {
+        match &self.which {
+            Which::Cpu(solver) => Ok(solver.read_state()),
+            Which::Gpu(solver, _) => Ok(solver.read_state()?),
+        }
+    }
+
+    /// Go on from a state; false where it is of other guides.
+    pub fn write_state(&mut self, state: &SolverState) -> bool {
+        match &mut self.which {
+            Which::Cpu(solver) => solver.write_state(state),
+            Which::Gpu(solver, _) => solver.write_state(state),
         }
     }
 }

@@ -1,52 +1,68 @@
 //! What draws and moves one groom on one device, for the window and for the command line alike.
 //!
-//! A frame from top to bottom: time, the head's pose, solver steps, strands, picture. The solver exists
-//! from the first movement to the next reset; without it, guides rest on the head and follow it rigidly.
+//! A frame from top to bottom: time, the head's pose, solver steps ([`player`]), strands, picture. Without a solver, guides
+//! rest on the head and follow it rigidly.
 
 mod binder;
 mod display;
 pub mod pacer;
+pub mod player;
+pub mod report;
 pub mod shown;
 pub mod thread;
+mod worker;
 
+#[cfg(test)]
+mod player_tests;
 #[cfg(test)]
 mod tests;
 
 use std::sync::Arc;
 
-use glam::{Affine3A, Vec3, Vec4};
+use glam::Vec3;
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::io::Watch;
 use lorelei_core::light::Light;
 use lorelei_core::look::Look;
-use lorelei_core::motion::{HeadPose, Motion, neck_pivot};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::motion::{HeadPose, neck_pivot};
 use lorelei_render::inspect::{InspectError, Inspection};
 use lorelei_render::overlay::Overlay;
 use lorelei_render::versus::{Comparison, Versus};
 use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
-use lorelei_sim::GpuSolver;
 
-use crate::movement::Shot;
 use display::Display;
 use pacer::Detail;
+use player::{Gear, Player, Score};
+use report::{FrameReport, Timeline};
 use shown::Shown;
-use thread::FrameReport;
 
-/// Movement: not in the document, never undone.
+use crate::movement::range::Ranged;
+use crate::movement::{Course, Shot, Subject};
+
+/// What a person does with the timeline: not in the document, never undone.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Playback {
     pub is_playing: bool,
-    pub motion: Motion,
-    /// Where the head was dragged to, on top of the preset.
+    /// Where the head was dragged to, on top of the movement.
     pub head_pose: HeadPose,
-    /// Solver steps asked for one by one, since the start.
-    pub n_steps: u64,
+    /// Frames forward, less frames back, asked for one by one since the start.
+    pub n_steps: i64,
     /// Resets asked for, since the start.
     pub n_resets: u64,
+    /// Times that a frame was asked for, and the last one of them.
+    pub n_seeks: u64,
+    pub seek: u32,
+}
+
+impl Playback {
+    /// Ask for a frame.
+    pub fn seek(&mut self, frame_idx: u32) {
+        self.n_seeks += 1;
+        self.seek = frame_idx;
+    }
 }
 
 /// Why a frame is missing or incomplete.
@@ -77,18 +93,6 @@ impl StageError {
     }
 }
 
-/// The solver with what it was made for.
-struct Moving {
-    solver: GpuSolver,
-    bindings: Vec<Arc<LayerBinding>>,
-}
-
-/// Guides of a [`Shot`] on the GPU.
-struct ShotBuffers {
-    world_from_head: Affine3A,
-    guides: Vec<wgpu::Buffer>,
-}
-
 /// Shaders of a folder where `LORELEI_SHADERS` names one, for whoever edits them: each frame looks whether a file has
 /// changed. The program's own otherwise.
 pub fn shader_library() -> Result<ShaderLibrary, ShaderError> {
@@ -103,18 +107,10 @@ pub struct Stage {
     gpu: Gpu,
     library: ShaderLibrary,
     renderer: Renderer,
-    moving: Option<Moving>,
+    player: Player,
     n_layers: usize,
-    settings: SimulationSettings,
-    neck: Vec3,
-    time_secs: f32,
-    world_from_head: Affine3A,
-    n_steps: u64,
-    n_resets: u64,
     /// Times that guides moved.
     n_moves: u64,
-    /// A frame that was simulated elsewhere, in place of what the stage's own solver says.
-    shot: Option<ShotBuffers>,
     look: Look,
     lights: Vec<Light>,
     shown: Shown,
@@ -143,16 +139,9 @@ impl Stage {
             versus: Versus::new(&gpu, &library)?,
             gpu,
             library,
-            moving: None,
+            player: Player::new(),
             n_layers: 0,
-            settings: SimulationSettings::default(),
-            neck: Vec3::ZERO,
-            time_secs: 0.0,
-            world_from_head: Affine3A::IDENTITY,
-            n_steps: 0,
-            n_resets: 0,
             n_moves: 0,
-            shot: None,
             look: Look::default(),
             lights: Vec::new(),
             shown: Shown::default(),
@@ -181,25 +170,10 @@ impl Stage {
         self.look.clone_from(&groom.look);
         self.lights.clone_from(&groom.lights);
         self.n_layers = groom.layers.len();
-        self.neck = neck_of(groom);
-        if self.settings != groom.simulation {
-            self.settings = groom.simulation.clone();
-            if let Some(moving) = &mut self.moving {
-                moving.solver.set_settings(&self.settings)?;
-            }
-        }
         let bindings = self.bindings();
-        let is_same = |old: &Moving| {
-            // Another style on the same guides moves on.
-            old.bindings.len() == bindings.len()
-                && old.bindings.iter().zip(&bindings).all(|(a, b)| Arc::ptr_eq(a, b) || a.guides == b.guides)
-        };
-        self.moving = self.moving.take().filter(is_same);
-        if let Some(moving) = &mut self.moving {
-            for (layer_idx, binding) in bindings.iter().enumerate() {
-                moving.solver.set_ties(layer_idx, &binding.guide_ties);
-            }
-        }
+        let field = self.renderer.mirror().field().cloned();
+        let gear = Gear { gpu: &self.gpu, library: &self.library, bindings: &bindings, field: field.as_deref() };
+        self.player.set_score(&gear, Score { course: Course::of(groom), movement: groom.movement.bounded() })?;
         self.n_moves += 1;
         Ok(warnings)
     }
@@ -221,15 +195,20 @@ impl Stage {
         }
     }
 
-    /// Show a frame that was simulated elsewhere, from the next frame on; `None`: what moves here. Layers that the shot does
-    /// not fit are shown at rest.
-    pub fn set_shot(&mut self, shot: Option<&Shot>) {
-        self.shot = shot.map(|shot| {
-            let buffer =
-                |positions: &Vec<Vec4>| self.gpu.buffer_of("stage.shot", positions, wgpu::BufferUsages::STORAGE);
-            ShotBuffers { world_from_head: shot.world_from_head, guides: shot.positions.iter().map(buffer).collect() }
-        });
+    /// Show a frame that was simulated elsewhere, until something moves. Layers that the shot does not fit are shown at rest.
+    pub fn show_shot(&mut self, shot: &Shot) {
+        self.player.show(&self.gpu, shot);
         self.n_moves += 1;
+    }
+
+    /// Take over frames that were simulated elsewhere; false where they are of another movement, hair or head.
+    pub fn offer(&mut self, ranged: &Ranged) -> bool {
+        let subject = Subject { bindings: self.bindings(), field: self.renderer.mirror().field().cloned() };
+        let is_fit = self.player.key(&subject) == ranged.key;
+        if is_fit {
+            self.player.set_frames(ranged.frames.clone());
+        }
+        is_fit
     }
 
     /// Make everything again in the next frame: for measurements.
@@ -286,39 +265,17 @@ impl Stage {
         self.renderer.set_lights(&self.shown.lights(&self.lights));
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
-        if self.n_resets != playback.n_resets {
-            self.n_resets = playback.n_resets;
-            self.moving = None;
+        let bindings = self.bindings();
+        let field = self.renderer.mirror().field().cloned();
+        let gear = Gear { gpu: &self.gpu, library: &self.library, bindings: &bindings, field: field.as_deref() };
+        if self.player.pass(&gear, playback, dt_secs, &mut encoder)? {
             self.n_moves += 1;
-            self.time_secs = 0.0;
         }
-        let n_steps = playback.n_steps.saturating_sub(self.n_steps);
-        self.n_steps = playback.n_steps;
-        if playback.is_playing {
-            self.n_moves += 1;
-            self.pass_time(playback, dt_secs, &mut encoder)?;
-        } else if n_steps > 0 {
-            self.n_moves += 1;
-            for _ in 0..n_steps.min(16) {
-                self.pass_step(playback, &mut encoder)?;
-            }
-        } else {
-            let pose = self.pose(playback);
-            if pose != self.world_from_head {
-                // Put somewhere else while nothing moves: the hair is simply there too.
-                self.moving = None;
-                self.n_moves += 1;
-                self.world_from_head = pose;
-            }
-        }
-        let solver = self.moving.as_ref().map(|moving| &moving.solver);
-        let guides: Vec<Option<&wgpu::Buffer>> = match &self.shot {
-            Some(shot) => (0..self.n_layers).map(|layer_idx| self.shot_of_layer(shot, layer_idx)).collect(),
-            None => (0..self.n_layers)
-                .map(|layer_idx| solver.filter(|solver| layer_idx < solver.n_layers()).map(|s| s.positions(layer_idx)))
-                .collect(),
-        };
-        let world_from_head = self.shot.as_ref().map_or(self.world_from_head, |shot| shot.world_from_head);
+        let player = &self.player;
+        let n_vertices = |layer_idx: usize| bindings.get(layer_idx).map_or(0, |binding| binding.guides.positions.len());
+        let guides: Vec<Option<&wgpu::Buffer>> =
+            (0..self.n_layers).map(|layer_idx| player.guides(layer_idx, n_vertices(layer_idx))).collect();
+        let world_from_head = self.player.world_from_head();
         let input = FrameInput {
             camera,
             size,
@@ -351,6 +308,7 @@ impl Stage {
             Some(display) => display.finish(&self.gpu, &picture)?,
             None => self.gpu.wait()?,
         }
+        self.player.collect(&self.gpu)?;
         self.renderer.collect_times();
         let (listed, room) = self.renderer.n_tile_entries()?;
         if listed > room {
@@ -359,10 +317,9 @@ impl Stage {
         Ok(())
     }
 
-    /// A shot's guides of a layer, where there are as many as the layer has.
-    fn shot_of_layer<'s>(&self, shot: &'s ShotBuffers, layer_idx: usize) -> Option<&'s wgpu::Buffer> {
-        let n_vertices = self.renderer.mirror().binding(layer_idx)?.guides.positions.len() as u64;
-        shot.guides.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_vertices).max(16))
+    /// The timeline's present, and the frames that are kept.
+    pub fn player(&mut self) -> &mut Player {
+        &mut self.player
     }
 
     /// Put the two pictures of the last frame together in another way, without drawing them again.
@@ -387,58 +344,6 @@ impl Stage {
     /// What is under a pixel of the last frame.
     pub fn inspect(&mut self, pixel: [u32; 2]) -> Result<Option<Inspection>, StageError> {
         Ok(self.renderer.inspect(pixel)?)
-    }
-
-    fn pose(&self, playback: &Playback) -> Affine3A {
-        (playback.motion.head_pose(self.time_secs) + playback.head_pose).world_from_head(self.neck)
-    }
-
-    fn pass_time(
-        &mut self,
-        playback: &Playback,
-        dt_secs: f32,
-        encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<(), StageError> {
-        self.start_moving(playback)?;
-        self.time_secs += dt_secs;
-        let pose = self.pose(playback);
-        self.world_from_head = pose;
-        if let Some(moving) = &mut self.moving {
-            moving.solver.set_head_pose(&pose);
-            moving.solver.advance(encoder, dt_secs)?;
-        }
-        Ok(())
-    }
-
-    fn pass_step(&mut self, playback: &Playback, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
-        self.start_moving(playback)?;
-        self.time_secs += self.settings.steps_per_second.recip();
-        let pose = self.pose(playback);
-        self.world_from_head = pose;
-        if let Some(moving) = &mut self.moving {
-            moving.solver.set_head_pose(&pose);
-            moving.solver.step_once(encoder)?;
-        }
-        Ok(())
-    }
-
-    /// Make the solver where there is none yet, at rest in the present pose.
-    fn start_moving(&mut self, playback: &Playback) -> Result<(), StageError> {
-        let bindings = self.bindings();
-        if self.moving.is_some() || bindings.is_empty() {
-            return Ok(());
-        }
-        let guides: Vec<_> = bindings.iter().map(|binding| &binding.guides).collect();
-        let field = self.renderer.mirror().field().cloned();
-        let mut solver = GpuSolver::new(&self.gpu, &self.library, &guides, field.as_deref(), &self.settings)?;
-        for (layer_idx, binding) in bindings.iter().enumerate() {
-            solver.set_ties(layer_idx, &binding.guide_ties);
-        }
-        self.world_from_head = self.pose(playback);
-        solver.set_head_pose(&self.world_from_head);
-        solver.reset();
-        self.moving = Some(Moving { solver, bindings });
-        Ok(())
     }
 
     pub fn is_lost(&self) -> bool {
@@ -482,8 +387,8 @@ impl Stage {
         report.n_drawing_bytes = statistics.n_drawing_bytes;
         report.n_shadow_bytes = statistics.n_shadow_bytes;
         report.pass_times = self.pass_times();
-        report.sim_secs = self.time_secs;
-        report.world_from_head = self.world_from_head;
+        report.world_from_head = self.player.world_from_head();
+        report.timeline = Timeline::of(&self.player);
         report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
 }

@@ -4,8 +4,11 @@ use std::collections::VecDeque;
 
 use glam::Vec3;
 use lorelei_core::camera::Camera;
+use lorelei_core::edit::Edit;
 use lorelei_core::groom::Layer;
 use lorelei_core::history::Merge;
+use lorelei_core::look::Choice;
+use lorelei_core::motion::{Motion, Movement};
 use lorelei_core::record::Macro;
 
 use super::commands::Command;
@@ -14,9 +17,10 @@ use super::notices::Notices;
 use super::panels::lod::LodPanel;
 use super::room::Room;
 use super::settings::Settings;
+use super::takes::Takes;
 use super::tools::Tools;
 use crate::stage::Playback;
-use crate::stage::thread::FrameReport;
+use crate::stage::report::FrameReport;
 
 /// What the properties panel shows and the layer commands act on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,6 +60,8 @@ pub struct Desk {
     pub show_handles: bool,
     pub tools: Tools,
     pub levels: LodPanel,
+    /// Movements as a whole.
+    pub takes: Takes,
     /// Looks beside each other, one term alone, the inspector.
     pub room: Room,
     /// Commands that panels ask for; run at the end of the frame.
@@ -84,6 +90,7 @@ impl Default for Desk {
             show_handles: true,
             tools: Tools::default(),
             levels: LodPanel::default(),
+            takes: Takes::default(),
             room: Room::default(),
             asked: Vec::new(),
             renaming: None,
@@ -115,6 +122,26 @@ impl Desk {
     pub fn measure(&mut self) {
         self.bounds = crate::stage::bounds_of(&self.document.groom);
         self.neck = crate::stage::neck_of(&self.document.groom);
+    }
+
+    /// Another movement, from its beginning, and playing.
+    pub fn set_motion(&mut self, motion: Motion) {
+        self.playback.is_playing |= motion != Motion::None;
+        if self.document.groom.movement.motion != motion {
+            let movement = Movement { motion, ..self.document.groom.movement.clone() };
+            self.set_movement(&format!("Movement: {}", motion.info().label), movement, Merge::New);
+        }
+    }
+
+    /// Another timeline, as one step.
+    pub fn set_movement(&mut self, label: &str, movement: Movement, merge: Merge) {
+        self.document.edit(label, Edit::SetMovement(Box::new(movement)), merge);
+    }
+
+    /// Show a frame of the timeline.
+    pub fn seek(&mut self, frame_idx: u32) {
+        self.playback.is_playing = false;
+        self.playback.seek(frame_idx);
     }
 
     /// The layer that is selected.

@@ -22,7 +22,9 @@ mod settings;
 mod start;
 mod state_report;
 mod status_bar;
+mod takes;
 mod theme;
+mod timeline;
 mod tools;
 mod top_bar;
 mod viewport;
@@ -196,6 +198,7 @@ impl Studio {
         {
             self.jobs.start(ctx, "Saving the picture", move |_| jobs::save_picture(&picture, &path));
         }
+        let shot = report.shot.take();
         if report.n_replaced != self.n_replaced {
             self.n_replaced = report.n_replaced;
             self.keep_now();
@@ -235,7 +238,13 @@ impl Studio {
             }
         }
         self.is_lost |= report.is_lost;
+        if report.timeline.has_ended && report.frame_idx != self.desk.report.frame_idx {
+            self.desk.playback.is_playing = false;
+        }
         self.desk.report = report;
+        if let Some((_, shot)) = shot {
+            self.took_over(shot);
+        }
     }
 
     /// Tell the stage what should be seen now.
@@ -255,6 +264,9 @@ impl Studio {
             inspect: self.desk.room.pixel,
             is_interacting: self.viewport.is_interacting,
             moving_budget_ms: self.desk.settings.moving_budget_ms,
+            frames_budget: self.frames_budget(),
+            offered: self.desk.takes.offered.clone(),
+            n_shots: self.desk.takes.n_shots,
             n_pictures: self.n_pictures,
             n_losses: self.n_losses,
         });
@@ -359,6 +371,7 @@ impl eframe::App for Studio {
         }
         top_bar::ui(ui, self);
         status_bar::ui(ui, self);
+        timeline::ui(ui, &mut self.desk);
         let background = egui::Frame::new().fill(theme::GAP);
         egui::CentralPanel::no_frame().frame(background).show(ui, |ui| {
             let mut layout = std::mem::replace(

@@ -7,13 +7,14 @@ use lorelei_core::groom::Source;
 use lorelei_core::history::Merge;
 use lorelei_core::io::Watch;
 use lorelei_core::look::Shadowing;
-use lorelei_core::motion::{HeadPose, Motion};
+use lorelei_core::motion::{AtEnd, HeadPose, Motion};
 
 use super::commands::Command;
 use super::desk::Selection;
 use super::files::choose::Purpose;
 use super::files::jobs;
 use super::room::commands::RoomCommand;
+use super::takes::TakeOver;
 use super::tools::Tool;
 use super::tools::paint::commands::PaintCommand;
 use super::{Next, Palette, Question, Studio, layout, panels, room, tools};
@@ -28,7 +29,13 @@ impl Studio {
                 matches!(self.desk.selection, Selection::Layer(_))
             }
             Command::ClearHistory => document.history.labels().len() > 0,
-            Command::RecordMacro | Command::PlayMacro => !document.is_none(),
+            Command::RecordMacro
+            | Command::PlayMacro
+            | Command::SimulateRange
+            | Command::SimulateToFile
+            | Command::OpenFrames
+            | Command::SetRest
+            | Command::BakeGuides => !document.is_none(),
             Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
             Command::DetachLayer => match self.desk.selection {
                 Selection::Layer(layer_idx) => document.groom.layers_sharing(layer_idx).len() > 1,
@@ -87,11 +94,11 @@ impl Studio {
                 let is_full = ctx.input(|input| input.viewport().fullscreen.unwrap_or(false));
                 ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!is_full));
             }
-            Command::Play => self.desk.playback.is_playing = !self.desk.playback.is_playing,
-            Command::Step => {
-                self.desk.playback.is_playing = false;
-                self.desk.playback.n_steps += 1;
-            }
+            Command::Play => self.play(),
+            Command::Step => self.step(1),
+            Command::StepBack => self.step(-1),
+            Command::ToStart => self.desk.seek(self.desk.document.groom.movement.bounded().start),
+            Command::ToEnd => self.desk.seek(self.desk.document.groom.movement.bounded().end),
             Command::Reset => {
                 let playback = &mut self.desk.playback;
                 playback.is_playing = false;
@@ -100,10 +107,18 @@ impl Studio {
             }
             Command::MoveHead => self.grab(false),
             Command::TurnHead => self.grab(true),
+            Command::SimulateRange => self.simulate_range(ctx, None),
+            Command::SimulateToFile => self.choose(ctx, Purpose::SaveFrames),
+            Command::OpenFrames => self.choose(ctx, Purpose::OpenFrames),
+            Command::SetRest => self.take_over(TakeOver::Rest),
+            Command::BakeGuides => self.take_over(TakeOver::Bake),
             Command::MotionNone => self.motion(Motion::None),
             Command::MotionTurn => self.motion(Motion::Turn),
             Command::MotionNod => self.motion(Motion::Nod),
             Command::MotionShake => self.motion(Motion::Shake),
+            Command::MotionWalk => self.motion(Motion::Walk),
+            Command::MotionJump => self.motion(Motion::Jump),
+            Command::MotionGust => self.motion(Motion::Gust),
             Command::ToggleShadows => self.toggle_shadows(),
             Command::ToggleLayer
             | Command::DuplicateLayer
@@ -172,9 +187,22 @@ impl Studio {
         self.desk.camera.elevation_deg = elevation_deg;
     }
 
+    fn play(&mut self) {
+        let movement = self.desk.document.groom.movement.bounded();
+        let playback = &mut self.desk.playback;
+        playback.is_playing = !playback.is_playing;
+        if playback.is_playing && movement.at_end == AtEnd::Stop && self.desk.report.timeline.at >= movement.end {
+            playback.seek(movement.start);
+        }
+    }
+
+    fn step(&mut self, n_frames: i64) {
+        self.desk.playback.is_playing = false;
+        self.desk.playback.n_steps += n_frames;
+    }
+
     fn motion(&mut self, motion: Motion) {
-        self.desk.playback.motion = motion;
-        self.desk.playback.is_playing |= motion != Motion::None;
+        self.desk.set_motion(motion);
     }
 
     fn toggle_shadows(&mut self) {

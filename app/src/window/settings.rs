@@ -25,6 +25,8 @@ pub struct Settings {
     pub moving_budget_ms: f32,
     /// What the steps of the history may keep alive, MiB.
     pub history_mib: u32,
+    /// What kept frames of a movement may take, MiB.
+    pub frames_mib: u32,
 }
 
 /// Where [`Settings`] are in eframe's storage. The number changes when old layouts no longer fit.
@@ -39,6 +41,7 @@ impl Default for Settings {
             folder: None,
             moving_budget_ms: 50.0,
             history_mib: 1024,
+            frames_mib: 1024,
         }
     }
 }

@@ -13,6 +13,7 @@ mod sample;
 mod sculpting;
 mod studio;
 mod survival;
+mod timeline;
 
 use lorelei_core::document;
 use lorelei_core::look::Shadowing;

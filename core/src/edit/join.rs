@@ -14,7 +14,8 @@ impl Edit {
             | (Self::SetLod(_), Self::SetLod(_))
             | (Self::SetLights(_), Self::SetLights(_))
             | (Self::SetSimulation(_), Self::SetSimulation(_) | Self::SetColliders(_))
-            | (Self::SetColliders(_), Self::SetColliders(_)) => true,
+            | (Self::SetColliders(_), Self::SetColliders(_))
+            | (Self::SetMovement(_), Self::SetMovement(_)) => true,
             (
                 Self::SetLayer { layer_idx: a, .. },
                 Self::SetLayer { layer_idx: b, .. }

@@ -1,12 +1,17 @@
-//! How the head moves: presets that show what hair does ([`Motion`]), and the pose that a person drags.
+//! How the head moves: presets that show what hair does ([`Motion`]), keyed poses ([`PoseTrack`]), the pose that a person
+//! drags, and the timeline that the document keeps ([`Movement`]).
 
+mod movement;
 mod preset;
+mod track;
 
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 
 use crate::mesh::TriMesh;
 
+pub use movement::{AtEnd, Movement};
 pub use preset::Motion;
+pub use track::{PoseKey, PoseTrack};
 
 /// Where the head is, as turns about the neck and a shift. Zero is the rest pose.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -8,6 +8,8 @@ use lorelei_core::io::{HAIR_MESH_EXTENSIONS, MESH_EXTENSIONS, OUTPUT_EXTENSIONS,
 use lorelei_core::maps::picture::MAP_EXTENSIONS;
 use lorelei_core::panorama::read::PANORAMA_EXTENSIONS;
 
+use crate::movement::file::EXTENSION;
+
 /// What a path is wanted for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
@@ -30,6 +32,8 @@ pub enum Purpose {
     SaveLook,
     SaveSheet,
     SaveTurntable,
+    SaveFrames,
+    OpenFrames,
 }
 
 /// What a person answered.
@@ -61,6 +65,8 @@ impl Purpose {
             Self::SaveLook => "Save look",
             Self::SaveSheet => "Save the contact sheet",
             Self::SaveTurntable => "Save the turntable",
+            Self::SaveFrames => "Simulate to a file",
+            Self::OpenFrames => "Open frames",
         }
     }
 
@@ -80,6 +86,7 @@ impl Purpose {
             }
             Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
             Self::LoadEnvironment => PANORAMA_EXTENSIONS.to_vec(),
+            Self::SaveFrames | Self::OpenFrames => vec![EXTENSION],
         };
         all.into_iter().map(str::to_owned).collect()
     }
@@ -97,6 +104,7 @@ impl Purpose {
                 | Self::SaveLook
                 | Self::SaveSheet
                 | Self::SaveTurntable
+                | Self::SaveFrames
         )
     }
 

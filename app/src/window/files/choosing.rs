@@ -94,6 +94,8 @@ impl Studio {
                 };
                 self.jobs.start(ctx, "Drawing the turntable", work);
             }
+            Purpose::SaveFrames => self.simulate_range(ctx, Some(path)),
+            Purpose::OpenFrames => self.open_frames(ctx, path),
             Purpose::SavePicture => {
                 self.picture_path = Some(path);
                 self.n_pictures += 1;

@@ -18,6 +18,7 @@ use lorelei_core::script::{self, Step};
 use lorelei_shaders::Gpu;
 
 use crate::lod_strip::{LevelPicture, LevelStage};
+use crate::movement::range::Ranged;
 use crate::sheet::{self, SheetInput};
 use crate::stage::shown::Shown;
 use crate::window::recovery::Restored;
@@ -82,6 +83,11 @@ pub enum Done {
         /// Files that are not needed once the document is kept anew.
         replaces: Vec<PathBuf>,
     },
+    /// Frames of a movement; what was cancelled is as far as it came.
+    Ranged {
+        ranged: Ranged,
+        path: Option<PathBuf>,
+    },
     MacroSaved {
         path: PathBuf,
     },
@@ -120,6 +126,7 @@ impl Done {
             | Self::PictureSaved { .. }
             | Self::TurntableSaved { .. }
             | Self::MacroSaved { .. }
+            | Self::Ranged { .. }
             | Self::Exported { .. }
             | Self::Failed { .. }
             | Self::Cancelled => false,

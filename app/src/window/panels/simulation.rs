@@ -1,26 +1,27 @@
-//! Movement: the transport, the head's preset movements, wind, and every number of the solver.
+//! Movement: what happens and when, the air, and every number of the solver. The transport is the strip below
+//! the viewport ([`crate::window::timeline`]).
 
-use egui::{RichText, Ui, vec2};
+use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
 use lorelei_core::look::Choice;
-use lorelei_core::motion::{HeadPose, Motion};
+use lorelei_core::motion::{AtEnd, HeadPose, Motion, Movement};
 use lorelei_core::simulation::SimulationSettings;
 
-use super::widgets;
-use crate::window::commands::Command;
+use super::widgets::{self, form_row, mebibytes};
 use crate::window::desk::{Desk, merge_of};
+use crate::window::state_report::mark;
 use crate::window::theme;
 
 pub fn ui(ui: &mut Ui, desk: &mut Desk) {
-    transport(ui, desk);
-    widgets::section(ui, "Head");
+    widgets::section(ui, "What happens");
     ui.horizontal_wrapped(|ui| {
         for motion in Motion::ALL {
             let info = motion.info();
-            let is_chosen = desk.playback.motion == *motion;
-            if ui.selectable_label(is_chosen, info.label).on_hover_text(info.help).clicked() {
-                desk.playback.motion = *motion;
-                desk.playback.is_playing |= *motion != Motion::None;
+            let is_chosen = desk.document.groom.movement.motion == *motion;
+            let response = ui.selectable_label(is_chosen, info.label).on_hover_text(info.help);
+            mark(ui.ctx(), || format!("motion {}", info.name), response.rect);
+            if response.clicked() {
+                desk.set_motion(*motion);
             }
         }
     });
@@ -30,6 +31,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
             desk.playback.head_pose = HeadPose::default();
         }
     });
+    range(ui, desk);
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
@@ -43,22 +45,67 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     super::colliders::section(ui, desk);
 }
 
-fn transport(ui: &mut Ui, desk: &mut Desk) {
-    ui.horizontal(|ui| {
-        let size = vec2(64.0, 28.0);
-        let is_playing = desk.playback.is_playing;
-        let (text, fill) = if is_playing { ("Pause", theme::ACCENT_DIM) } else { ("Play", theme::CONTROL) };
-        let play = egui::Button::new(RichText::new(text).color(theme::TEXT_STRONG)).fill(fill).min_size(size);
-        for (button, command) in [
-            (play, Command::Play),
-            (egui::Button::new("Step").min_size(size), Command::Step),
-            (egui::Button::new("Reset").min_size(size), Command::Reset),
-        ] {
-            let shortcut = command.row().shortcuts.first().map(|s| ui.ctx().format_shortcut(s)).unwrap_or_default();
-            if ui.add(button).on_hover_text(format!("{} ({shortcut})", command.row().help)).clicked() {
-                desk.asked.push(command);
+/// Range, frames a second, what happens at the end, and what kept frames may take.
+fn range(ui: &mut Ui, desk: &mut Desk) {
+    widgets::section(ui, "Timeline");
+    let mut movement = desk.document.groom.movement.bounded();
+    let default = Movement::default();
+    let mut change = None;
+    let mut row =
+        |ui: &mut Ui, name: &str, help: &str, is_changed, control: &mut dyn FnMut(&mut Ui) -> egui::Response| {
+            let (_, response) = form_row(ui, name, help, is_changed, control);
+            let response = widgets::explained(response, help, "Drag, with Shift slowly, or click and type");
+            mark(ui.ctx(), || format!("timeline {}", name.to_lowercase()), response.rect);
+            if let Some(one) = widgets::Change::from_response(&format!("Timeline: {}", name.to_lowercase()), &response)
+            {
+                change = Some(one);
+            }
+        };
+    let Movement { fps, start, end, warm_up_secs, .. } = &mut movement;
+    let is_other = (*fps != default.fps, *start != default.start, *end != default.end, *warm_up_secs != 0.0);
+    row(ui, "First frame", "Hair is at rest here, after the warm-up", is_other.1, &mut |ui| {
+        widgets::integer(ui, start, (0, 100_000), "")
+    });
+    row(ui, "Last frame", "Of the range that plays", is_other.2, &mut |ui| widgets::integer(ui, end, (1, 100_000), ""));
+    row(ui, "Frames a second", "Other frames are simulated for another rate", is_other.0, &mut |ui| {
+        widgets::number(ui, fps, (1.0, 240.0), "1/s")
+    });
+    row(ui, "Warm-up", "Time that the hair settles before the first frame", is_other.3, &mut |ui| {
+        widgets::number(ui, warm_up_secs, (0.0, 60.0), "s")
+    });
+    ui.horizontal_wrapped(|ui| {
+        for fps in [24.0, 25.0, 30.0, 60.0] {
+            let response = ui.selectable_label(movement.fps == fps, format!("{fps} fps"));
+            if response.on_hover_text("Frames a second").clicked() && movement.fps != fps {
+                // The same time on another ruler.
+                let scale = |frame_idx: u32| (f64::from(frame_idx) * f64::from(fps / movement.fps)).round() as u32;
+                (movement.start, movement.end) = (scale(movement.start), scale(movement.end));
+                movement.fps = fps;
+                change = Some(widgets::Change::once(format!("Timeline: {fps} frames a second")));
             }
         }
-        ui.label(RichText::new(format!("{:.2} s", desk.report.sim_secs)).color(theme::TEXT_WEAK));
     });
+    ui.horizontal_wrapped(|ui| {
+        for at_end in AtEnd::ALL {
+            let info = at_end.info();
+            let response = ui.selectable_label(movement.at_end == *at_end, info.label).on_hover_text(info.help);
+            mark(ui.ctx(), || format!("at end {}", info.name), response.rect);
+            if response.clicked() && movement.at_end != *at_end {
+                movement.at_end = *at_end;
+                change = Some(widgets::Change::once(format!("Timeline: {}", info.label.to_lowercase())));
+            }
+        }
+    });
+    if let Some(change) = change {
+        desk.set_movement(&change.label, movement.bounded(), merge_of(change.drag));
+    }
+    let help = "Memory that kept frames may take: what is behind is simulated again each time";
+    let (_, response) = form_row(ui, "Keep frames", help, desk.settings.frames_mib != 1024, |ui| {
+        widgets::integer(ui, &mut desk.settings.frames_mib, (0, 65_536), "MiB")
+    });
+    widgets::explained(response, help, "Drag, with Shift slowly, or click and type");
+    let timeline = &desk.report.timeline;
+    let n_kept: u32 = timeline.kept.iter().map(|[first, last]| last - first + 1).sum();
+    let words = format!("{n_kept} frames are kept: {}", mebibytes(timeline.n_kept_bytes as u64));
+    ui.label(RichText::new(words).small().color(theme::TEXT_WEAK));
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use lorelei_core::look::Look;
 
-use crate::stage::thread::FrameReport;
+use crate::stage::report::FrameReport;
 use crate::window::panels::widgets::{Note, Notes, mebibytes, milliseconds};
 
 /// What one choice cost when it was drawn last.

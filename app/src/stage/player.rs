@@ -1,0 +1,490 @@
+//! Playing: which frame of the timeline is shown, and the solver that makes frames that were not there yet.
+//!
+//! Time goes in frames of the timeline. Frames that were simulated once from the first frame on are kept on the CPU
+//! ([`Frames`]); going back to one shows it again, bit for bit. The solver stands at the newest frame. What a person changes
+//! while it plays moves on from where the hair is: such frames are shown and not kept, until the movement begins again.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::binding::LayerBinding;
+use lorelei_core::distance_field::DistanceField;
+use lorelei_core::motion::{AtEnd, HeadPose, Movement};
+use lorelei_core::simulation::SimulationSettings;
+use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
+use lorelei_sim::GpuSolver;
+
+use super::{Playback, StageError};
+use crate::movement::frames::Frames;
+use crate::movement::key::key_of;
+use crate::movement::run::pieces;
+use crate::movement::{Course, Shot, Subject};
+
+/// Frames that one call simulates at most on its way to a frame that was asked for: a picture in between keeps the window
+/// answering.
+const FRAMES_AT_ONCE: u32 = 12;
+
+/// What the player works with.
+pub struct Gear<'s> {
+    pub gpu: &'s Gpu,
+    pub library: &'s ShaderLibrary,
+    pub bindings: &'s [Arc<LayerBinding>],
+    pub field: Option<&'s DistanceField>,
+}
+
+/// What a groom says about its movement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Score {
+    pub course: Course,
+    pub movement: Movement,
+}
+
+/// The solver with what it was made for.
+struct Moving {
+    solver: GpuSolver,
+    settings: SimulationSettings,
+    /// The frame that it has reached, once no warm-up is left.
+    front: u32,
+    warm_up_left: u32,
+}
+
+/// Guides of a [`Shot`] on the GPU.
+struct ShotBuffers {
+    world_from_head: Affine3A,
+    guides: Vec<wgpu::Buffer>,
+}
+
+/// A frame on its way to the CPU.
+struct Recorded {
+    frame_idx: u32,
+    world_from_head: Affine3A,
+    layers: Vec<(usize, wgpu::Buffer)>,
+}
+
+/// The timeline's present.
+pub struct Player {
+    score: Score,
+    /// What the frames are made from.
+    bindings: Vec<Arc<LayerBinding>>,
+    moving: Option<Moving>,
+    frames: Frames,
+    budget: usize,
+    /// The frame that is shown.
+    at: u32,
+    /// Share of a frame that has passed since.
+    left: f64,
+    /// A frame that was asked for and is not simulated yet.
+    wanted: Option<u32>,
+    /// Frames now are no function of time: they are not kept.
+    is_by_hand: bool,
+    has_ended: bool,
+    /// A kept frame, where that is shown.
+    shot: Option<ShotBuffers>,
+    recorded: Vec<Recorded>,
+    dragged: HeadPose,
+    world_from_head: Affine3A,
+    n_steps: i64,
+    n_resets: u64,
+    n_seeks: u64,
+}
+
+impl Player {
+    pub fn new() -> Self {
+        let score =
+            Score { course: Course::still(Vec3::ZERO, SimulationSettings::default()), movement: Movement::default() };
+        Self {
+            score,
+            bindings: Vec::new(),
+            moving: None,
+            frames: Frames::default(),
+            budget: 0,
+            at: 0,
+            left: 0.0,
+            wanted: None,
+            is_by_hand: false,
+            has_ended: false,
+            shot: None,
+            recorded: Vec::new(),
+            dragged: HeadPose::default(),
+            world_from_head: Affine3A::IDENTITY,
+            n_steps: 0,
+            n_resets: 0,
+            n_seeks: 0,
+        }
+    }
+
+    /// Keep frames up to so many bytes; 0: none.
+    pub fn set_budget(&mut self, n_bytes: usize) {
+        self.budget = n_bytes;
+    }
+
+    /// Take over what changed in the groom. What moves goes on where its guides are as many as before.
+    pub fn set_score(&mut self, gear: &Gear<'_>, score: Score) -> Result<(), StageError> {
+        let has_same_frames = score.course == self.score.course && score.movement.moves_like(&self.score.movement);
+        let is_restarted = !score.movement.moves_like(&self.score.movement);
+        self.score = score;
+        let before = std::mem::replace(&mut self.bindings, gear.bindings.to_vec());
+        let all_alike = |is_alike: fn(&LayerBinding, &LayerBinding) -> bool| {
+            let pairs = before.iter().zip(gear.bindings);
+            before.len() == gear.bindings.len() && pairs.into_iter().all(|(a, b)| Arc::ptr_eq(a, b) || is_alike(a, b))
+        };
+        let has_same_guides = all_alike(|a, b| a.guides == b.guides);
+        let has_same_ties = all_alike(|a, b| a.guide_ties == b.guide_ties);
+        if has_same_guides && has_same_ties && has_same_frames {
+            return Ok(());
+        }
+        self.forget_frames();
+        if is_restarted {
+            // Another motion, another time: begin again rather than go on in the middle of it.
+            self.moving = None;
+            self.wanted = Some(self.at).filter(|at| *at > self.score.movement.start);
+            return Ok(());
+        }
+        if self.moving.as_ref().is_some_and(|moving| moving.front != self.at) {
+            self.moving = None;
+        }
+        self.is_by_hand = self.moving.is_some();
+        if !has_same_guides && let Some(moving) = &self.moving {
+            let state = moving.solver.read_state()?;
+            let (front, warm_up_left) = (moving.front, moving.warm_up_left);
+            let mut next = self.make_solver(gear, &self.world_from_head)?;
+            // Guides that are as many as before take over where the hair is; others begin at rest.
+            next.solver.write_state(&state);
+            (next.front, next.warm_up_left) = (front, warm_up_left);
+            self.moving = Some(next);
+        } else if let Some(moving) = &mut self.moving {
+            for (layer_idx, binding) in gear.bindings.iter().enumerate() {
+                moving.solver.set_ties(layer_idx, &binding.guide_ties);
+            }
+        }
+        Ok(())
+    }
+
+    /// Frames that were simulated elsewhere, with the same inputs.
+    pub fn set_frames(&mut self, frames: Frames) {
+        self.frames = frames;
+        // A solver that stands at a frame of the same run goes on being of use.
+        self.moving.take_if(|_| self.is_by_hand);
+        self.is_by_hand = false;
+    }
+
+    /// What the frames are made from.
+    pub fn key(&self, subject: &Subject) -> u128 {
+        key_of(subject, &self.score.course, &self.score.movement)
+    }
+
+    fn forget_frames(&mut self) {
+        self.frames = Frames::new(self.score.movement.start);
+        self.recorded.clear();
+    }
+
+    /// Let time pass as the playback says, recording what the solver has to do; true where the guides moved.
+    pub fn pass(
+        &mut self,
+        gear: &Gear<'_>,
+        playback: &Playback,
+        dt_secs: f32,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<bool, StageError> {
+        let Movement { start, end, fps, at_end, .. } = self.score.movement;
+        let mut has_moved = false;
+        if self.n_resets != playback.n_resets {
+            self.n_resets = playback.n_resets;
+            (self.moving, self.shot, self.wanted) = (None, None, None);
+            (self.at, self.left, self.is_by_hand) = (start, 0.0, false);
+            has_moved = true;
+        }
+        let n_steps = playback.n_steps - std::mem::replace(&mut self.n_steps, playback.n_steps);
+        if self.dragged != playback.head_pose {
+            has_moved = true;
+            self.drag(gear, playback)?;
+        }
+        if self.n_seeks != playback.n_seeks {
+            self.n_seeks = playback.n_seeks;
+            self.wanted = Some(playback.seek.max(start));
+            self.left = 0.0;
+        }
+        if n_steps != 0 {
+            let to = i64::from(self.wanted.unwrap_or(self.at)) + n_steps;
+            self.wanted = Some(to.clamp(i64::from(start), i64::from(end.max(self.at))) as u32);
+        }
+        if let Some(wanted) = self.wanted {
+            self.go_to(gear, wanted, FRAMES_AT_ONCE, encoder)?;
+            return Ok(true);
+        }
+        self.has_ended = false;
+        if playback.is_playing {
+            self.left += f64::from(dt_secs.max(0.0)) * f64::from(fps);
+            // A thousandth is given, so that sixty pictures a second show sixty frames.
+            let n = (self.left + 1e-3).floor().min(1e4);
+            self.left = (self.left - n).max(0.0);
+            let is_new = self.moving.is_none() && self.frames.get(self.at).is_none();
+            if is_new {
+                // Nothing is there to go on from: hair begins at the first frame.
+                self.go_to(gear, start, 0, encoder)?;
+                return Ok(true);
+            }
+            if n > 0.0 {
+                let to = self.at + n as u32;
+                let to = match at_end {
+                    AtEnd::Stop => to.min(end.max(self.at)),
+                    AtEnd::Loop if to > end => start,
+                    AtEnd::GoOn | AtEnd::Loop => to,
+                };
+                self.has_ended = at_end == AtEnd::Stop && to >= end;
+                if to != self.at {
+                    self.go_to(gear, to, n as u32, encoder)?;
+                    // Playing does not wait for frames that take too long; for the warm-up it does.
+                    self.wanted.take_if(|_| self.moving.as_ref().is_some_and(|moving| moving.warm_up_left == 0));
+                }
+                return Ok(true);
+            }
+            return Ok(has_moved);
+        }
+        self.left = 0.0;
+        if self.moving.is_none() && self.shot.is_none() {
+            let pose = self.pose_at(self.at);
+            has_moved |= pose != self.world_from_head;
+            self.world_from_head = pose;
+        }
+        Ok(has_moved)
+    }
+
+    /// The head is dragged: what moves goes on by hand; hair that does not is simply there too.
+    fn drag(&mut self, gear: &Gear<'_>, playback: &Playback) -> Result<(), StageError> {
+        self.dragged = playback.head_pose;
+        if playback.is_playing && self.wanted.is_none() {
+            if self.moving.as_ref().is_none_or(|moving| moving.front != self.at) {
+                self.stand_at_shot(gear)?;
+            }
+            self.is_by_hand = self.moving.is_some();
+        } else {
+            (self.moving, self.shot, self.wanted) = (None, None, None);
+            self.at = self.score.movement.start;
+        }
+        self.forget_frames();
+        Ok(())
+    }
+
+    /// A solver that goes on from the kept frame that is shown, with the speed that the two last frames show.
+    fn stand_at_shot(&mut self, gear: &Gear<'_>) -> Result<(), StageError> {
+        let Some(shot) = self.frames.get(self.at).cloned() else {
+            self.moving = None;
+            return Ok(());
+        };
+        let before = self.at.checked_sub(1).and_then(|at| self.frames.get(at)).cloned();
+        let mut moving = self.make_solver(gear, &shot.world_from_head)?;
+        let steps_per_frame = self.score.course.settings.steps_per_second / self.score.movement.fps;
+        for (layer_idx, x) in shot.positions.iter().enumerate().filter(|(_, x)| !x.is_empty()) {
+            let last = before.as_ref().and_then(|before| before.positions.get(layer_idx)).unwrap_or(x);
+            let prev: Vec<Vec3> = x.iter().zip(last).map(|(x, last)| *x - (*x - *last) / steps_per_frame).collect();
+            moving.solver.set_state(layer_idx, x, &prev);
+        }
+        moving.front = self.at;
+        self.shot = None;
+        self.moving = Some(moving);
+        Ok(())
+    }
+
+    /// Show a frame; where it is not kept, simulate towards it, `n_most` frames now.
+    fn go_to(
+        &mut self,
+        gear: &Gear<'_>,
+        to: u32,
+        n_most: u32,
+        encoder: &mut wgpu::CommandEncoder,
+    ) -> Result<(), StageError> {
+        self.wanted = None;
+        if let Some(shot) = self.frames.get(to) {
+            let shot = Arc::clone(shot);
+            self.show(gear.gpu, &shot);
+            self.at = to;
+            return Ok(());
+        }
+        self.stand_before(gear, to, encoder)?;
+        let Some(moving) = &self.moving else {
+            // There is no hair: time passes all the same.
+            self.at = to;
+            self.world_from_head = self.pose_at(to);
+            return Ok(());
+        };
+        let n_due = moving.warm_up_left + (to - moving.front);
+        for _ in 0..n_due.min(n_most) {
+            self.simulate_frame(gear, encoder)?;
+        }
+        self.shot = None;
+        if let Some(moving) = &self.moving {
+            self.at = moving.front;
+            self.wanted = (moving.front < to || moving.warm_up_left > 0).then_some(to);
+        }
+        self.world_from_head = self.pose_at(self.at);
+        Ok(())
+    }
+
+    /// Show a frame, whatever the solver has.
+    pub fn show(&mut self, gpu: &Gpu, shot: &Shot) {
+        let buffer = |positions: &Vec<Vec3>| {
+            let positions: Vec<Vec4> = positions.iter().map(|p| p.extend(0.0)).collect();
+            gpu.buffer_of("stage.shot", &positions, wgpu::BufferUsages::STORAGE)
+        };
+        self.world_from_head = shot.world_from_head;
+        self.shot = Some(ShotBuffers {
+            world_from_head: shot.world_from_head,
+            guides: shot.positions.iter().map(buffer).collect(),
+        });
+    }
+
+    /// A solver at a frame from which `to` can be reached: the one that is there, one from a kept state, or one at rest at
+    /// the first frame.
+    fn stand_before(&mut self, gear: &Gear<'_>, to: u32, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
+        if gear.bindings.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
+            return Ok(());
+        }
+        self.is_by_hand = false;
+        let start = self.score.movement.start;
+        let mut moving = self.make_solver(gear, &self.pose_at(start))?;
+        if let Some((front, state)) = self.frames.state_before(to)
+            && moving.solver.write_state(state)
+        {
+            moving.front = front;
+            self.moving = Some(moving);
+            return Ok(());
+        }
+        let warm_up_left = (self.score.movement.warm_up_secs * self.score.movement.fps).round() as u32;
+        (moving.front, moving.warm_up_left) = (start, warm_up_left);
+        self.moving = Some(moving);
+        self.record(gear, encoder);
+        Ok(())
+    }
+
+    fn make_solver(&self, gear: &Gear<'_>, world_from_head: &Affine3A) -> Result<Moving, ShaderError> {
+        let guides: Vec<_> = gear.bindings.iter().map(|binding| &binding.guides).collect();
+        let settings = self.score.course.settings.clone();
+        let mut solver = GpuSolver::new(gear.gpu, gear.library, &guides, gear.field, &settings)?;
+        for (layer_idx, binding) in gear.bindings.iter().enumerate() {
+            solver.set_ties(layer_idx, &binding.guide_ties);
+        }
+        solver.set_head_pose(world_from_head);
+        solver.reset();
+        Ok(Moving { solver, settings, front: self.at, warm_up_left: 0 })
+    }
+
+    /// Record the solver's way to the next frame.
+    fn simulate_frame(&mut self, gear: &Gear<'_>, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
+        let Score { course, movement } = &self.score;
+        let Some(moving) = &mut self.moving else { return Ok(()) };
+        let before = movement.secs_of(moving.front);
+        let after = if moving.warm_up_left > 0 { before } else { movement.secs_of(moving.front + 1) };
+        for piece in pieces(course, movement.fps, before, after, self.dragged) {
+            if moving.settings != piece.settings {
+                moving.solver.set_settings(&piece.settings)?;
+                moving.settings.clone_from(&piece.settings);
+            }
+            moving.solver.set_head_pose(&piece.world_from_head);
+            moving.solver.advance(encoder, piece.secs)?;
+        }
+        match moving.warm_up_left.checked_sub(1) {
+            Some(left) => moving.warm_up_left = left,
+            None => moving.front += 1,
+        }
+        self.record(gear, encoder);
+        Ok(())
+    }
+
+    /// Let the solver's frame be brought to the CPU, where it is to be kept.
+    fn record(&mut self, gear: &Gear<'_>, encoder: &mut wgpu::CommandEncoder) {
+        let Some(moving) = &self.moving else { return };
+        let frame_idx = moving.front;
+        let is_in_range = frame_idx <= self.score.movement.end && moving.warm_up_left == 0;
+        let has_room = self.frames.n_bytes() < self.budget;
+        if self.is_by_hand || !is_in_range || !has_room || self.frames.get(frame_idx).is_some() {
+            return;
+        }
+        let layers = self.bindings.iter().enumerate().map(|(layer_idx, binding)| {
+            let n_vertices = binding.guides.positions.len();
+            let size = (16 * n_vertices as u64).max(16);
+            let staging = gear.gpu.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("stage.recorded"),
+                size,
+                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            encoder.copy_buffer_to_buffer(moving.solver.positions(layer_idx), 0, &staging, 0, size);
+            (n_vertices, staging)
+        });
+        let layers = layers.collect();
+        self.recorded.push(Recorded { frame_idx, world_from_head: self.pose_at(frame_idx), layers });
+    }
+
+    /// Keep the frames that were recorded; the commands were submitted, and are done.
+    pub fn collect(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
+        for recorded in std::mem::take(&mut self.recorded) {
+            let read = |(n_vertices, staging): &(usize, wgpu::Buffer)| {
+                gpu.read_mapped(staging, |bytes| {
+                    let positions: Vec<Vec4> = bytemuck::pod_collect_to_vec(bytes);
+                    positions[..*n_vertices].iter().map(|p| p.xyz()).collect::<Vec<Vec3>>()
+                })
+            };
+            let positions = recorded.layers.iter().map(read).collect::<Result<_, _>>()?;
+            let shot = Shot { world_from_head: recorded.world_from_head, positions };
+            self.frames.keep(recorded.frame_idx, Arc::new(shot), self.budget);
+        }
+        Ok(())
+    }
+
+    fn pose_at(&self, frame_idx: u32) -> Affine3A {
+        let secs = self.score.movement.secs_of(frame_idx);
+        self.score.course.pose_with(secs as f32, self.dragged)
+    }
+
+    /// Guides of a layer as they are shown; `None`: at rest on the head.
+    pub fn guides(&self, layer_idx: usize, n_vertices: usize) -> Option<&wgpu::Buffer> {
+        if let Some(shot) = &self.shot {
+            return shot.guides.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_vertices as u64).max(16));
+        }
+        let solver = self.moving.as_ref().map(|moving| &moving.solver)?;
+        (layer_idx < solver.n_layers()).then(|| solver.positions(layer_idx))
+    }
+
+    pub fn world_from_head(&self) -> Affine3A {
+        self.shot.as_ref().map_or(self.world_from_head, |shot| shot.world_from_head)
+    }
+
+    /// What is shown, on the CPU: for whatever takes it over into the groom. `None` where hair is at rest.
+    pub fn shot(&self) -> Result<Option<Shot>, GpuError> {
+        if let Some(shot) = self.frames.get(self.at).filter(|_| self.shot.is_some()) {
+            return Ok(Some(Shot::clone(shot)));
+        }
+        let Some(moving) = &self.moving else { return Ok(None) };
+        let read = |layer_idx| {
+            let positions = moving.solver.read_positions(layer_idx)?;
+            Ok(positions.iter().map(|p| p.xyz()).collect())
+        };
+        let positions = (0..moving.solver.n_layers()).map(read).collect::<Result<_, GpuError>>()?;
+        Ok(Some(Shot { world_from_head: self.world_from_head, positions }))
+    }
+
+    /// The frame that is shown, and its time.
+    pub fn now(&self) -> (u32, f64) {
+        (self.at, self.score.movement.secs_of(self.at))
+    }
+
+    pub fn frames(&self) -> &Frames {
+        &self.frames
+    }
+
+    /// A frame was asked for and is still to be simulated.
+    pub fn wanted(&self) -> Option<u32> {
+        self.wanted
+    }
+
+    /// Playing has come to the end of the range and stays there.
+    pub fn has_ended(&self) -> bool {
+        self.has_ended
+    }
+
+    /// What is shown now was made by hand and is not kept.
+    pub fn is_by_hand(&self) -> bool {
+        self.is_by_hand
+    }
+}

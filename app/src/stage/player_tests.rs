@@ -1,0 +1,190 @@
+//! Time on the stage: frames come back bit for bit, and what a person changes moves on from where the hair is.
+
+use std::sync::Arc;
+
+use lorelei_core::groom::Layer;
+use lorelei_core::motion::{AtEnd, Motion, Movement};
+use lorelei_core::strands::Strands;
+
+use super::*;
+use crate::movement::range::simulate_range;
+use crate::movement::solver::On;
+
+fn groom() -> Groom {
+    let mut strands = Strands::default();
+    for i in 0..12 {
+        let x = i as f32 - 6.0;
+        let points: Vec<Vec3> = (0..10).map(|k| Vec3::new(x, -1.5 * k as f32, 6.0)).collect();
+        strands.push(&points);
+    }
+    let layer = Layer { n_strands: 20, ..Layer::new("a", Source::Guides(Arc::new(strands))) };
+    let movement = Movement { motion: Motion::Shake, end: 40, ..Movement::default() };
+    Groom { layers: vec![layer], movement, ..Groom::default() }
+}
+
+struct Show {
+    stage: Stage,
+    playback: Playback,
+}
+
+impl Show {
+    fn new(groom: &Groom) -> Self {
+        let mut stage = Stage::new(Gpu::headless().unwrap()).unwrap();
+        stage.player().set_budget(1 << 20);
+        stage.set_groom(groom).unwrap();
+        Self { stage, playback: Playback::default() }
+    }
+
+    fn frame(&mut self, dt_secs: f32) {
+        let detail = Detail { lod: 0.0, ..Detail::FULL };
+        self.stage.frame(&self.playback, dt_secs, &Camera::default(), [16, 16], detail).unwrap();
+    }
+
+    fn play(&mut self, n_frames: u32) {
+        self.playback.is_playing = true;
+        for _ in 0..n_frames {
+            self.frame(1.0 / 60.0);
+        }
+        self.playback.is_playing = false;
+        self.frame(0.0);
+    }
+
+    fn seek(&mut self, frame_idx: u32) -> (u32, Option<Shot>) {
+        self.playback.seek(frame_idx);
+        self.frame(0.0);
+        while self.stage.player().wanted().is_some() {
+            self.frame(0.0);
+        }
+        (self.at(), self.shot())
+    }
+
+    fn at(&mut self) -> u32 {
+        self.stage.player().now().0
+    }
+
+    fn shot(&mut self) -> Option<Shot> {
+        self.stage.player().shot().unwrap()
+    }
+}
+
+#[test]
+fn scrubbing_back_gives_the_identical_frame_and_so_does_simulating_elsewhere() {
+    let groom = groom();
+    let mut show = Show::new(&groom);
+    show.frame(0.0);
+    assert_eq!((show.at(), show.shot()), (0, None), "nothing moves until it plays");
+    let mut seen = Vec::new();
+    for _ in 0..20 {
+        show.play(1);
+        seen.push((show.at(), show.shot().unwrap()));
+    }
+    assert_eq!(seen[0].0, 0, "the first frame is shown first");
+    assert_eq!(seen[19].0, 19);
+    for (frame_idx, shot) in seen.iter().rev() {
+        assert_eq!(show.seek(*frame_idx), (*frame_idx, Some(shot.clone())));
+    }
+    // Forward beyond what there is, one by one and back.
+    assert_eq!(show.seek(33).0, 33);
+    show.playback.n_steps += 1;
+    show.frame(0.0);
+    let there = (show.at(), show.shot());
+    assert_eq!(there.0, 34);
+    show.playback.n_steps -= 1;
+    show.frame(0.0);
+    assert_eq!(show.at(), 33);
+    assert_eq!(show.seek(34), there);
+    // The same in the background, on a device of its own.
+    let subject = Subject::of(show.stage.bound());
+    let on = On::Gpu(Box::new(Gpu::headless().unwrap()));
+    let course = Course::of(&groom);
+    let mut ranged = simulate_range(on, &subject, &course, &groom.movement, 1 << 20, None, Watch::default()).unwrap();
+    assert_eq!(ranged.frames.get(34).map(|shot| Shot::clone(shot)), there.1);
+    assert!(show.stage.offer(&ranged));
+    assert_eq!(show.stage.player().frames().runs(), [0..=40]);
+    assert_eq!(show.seek(34), there);
+    ranged.key ^= 1;
+    assert!(!show.stage.offer(&ranged), "frames of something else");
+}
+
+#[test]
+fn time_loops_stops_or_goes_on_at_the_end() {
+    let mut groom = groom();
+    let mut show = Show::new(&groom);
+    show.play(60);
+    assert!(show.at() < 40 && show.stage.player().frames().runs() == [0..=40], "{}", show.at());
+    groom.movement.at_end = AtEnd::Stop;
+    show.stage.set_groom(&groom).unwrap();
+    assert_eq!(show.stage.player().frames().runs(), [0..=40], "what happens at the end changes no frame");
+    show.playback.is_playing = true;
+    (0..60).for_each(|_| show.frame(1.0 / 60.0));
+    assert!(show.at() == 40 && show.stage.player().has_ended());
+    groom.movement.at_end = AtEnd::GoOn;
+    show.stage.set_groom(&groom).unwrap();
+    show.play(10);
+    assert_eq!(show.at(), 50);
+    assert_eq!(show.stage.player().frames().runs(), [0..=40], "what is behind the range is not kept");
+}
+
+#[test]
+fn what_is_changed_while_it_plays_moves_on_and_is_not_kept() {
+    let mut groom = groom();
+    let mut show = Show::new(&groom);
+    show.play(25);
+    let before = show.shot().unwrap();
+    // A look changes no frame; another stiffness does, and the hair goes on from where it is.
+    groom.look.exposure += 1.0;
+    show.stage.set_groom(&groom).unwrap();
+    assert_eq!(show.stage.player().frames().runs(), [0..=24]);
+    groom.simulation.bend_length += 2.0;
+    show.stage.set_groom(&groom).unwrap();
+    assert!(show.stage.player().frames().runs().is_empty());
+    show.play(1);
+    let after = show.shot().unwrap();
+    let farthest = |a: &Shot, b: &Shot| {
+        let pairs = a.positions.iter().flatten().zip(b.positions.iter().flatten());
+        pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+    };
+    assert!(show.at() == 25 && show.stage.player().is_by_hand() && farthest(&before, &after) < 4.0);
+    assert!(show.stage.player().frames().runs().is_empty());
+    // Scrubbing back simulates it as it is now, and keeps it.
+    let (at, shot) = show.seek(24);
+    assert!(at == 24 && !show.stage.player().is_by_hand());
+    assert_eq!(show.stage.player().frames().runs(), [0..=24]);
+    // The head is dragged while kept frames play: the hair goes on from the frame that is seen.
+    show.seek(10);
+    show.playback.is_playing = true;
+    show.playback.head_pose.shift.x = 1.0;
+    show.frame(1.0 / 60.0);
+    show.frame(1.0 / 60.0);
+    let dragged = show.shot().unwrap();
+    assert!(show.stage.player().is_by_hand() && show.at() == 12, "{}", show.at());
+    assert!(farthest(&dragged, &shot.unwrap()) > 0.1);
+    assert!(dragged.positions.iter().flatten().all(|p| p.is_finite()));
+    // Other guides of the same number take over where the hair is; time goes on.
+    let Source::Guides(strands) = &groom.layers[0].source else { panic!() };
+    let mut longer = Strands::clone(strands);
+    longer.points.iter_mut().for_each(|p| p.y *= 1.02);
+    groom.layers[0].source = Source::Guides(Arc::new(longer));
+    show.stage.set_groom(&groom).unwrap();
+    show.frame(1.0 / 60.0);
+    let grown = show.shot().unwrap();
+    assert!(show.at() == 13 && farthest(&dragged, &grown) < 4.0, "{}", farthest(&dragged, &grown));
+}
+
+#[test]
+fn the_budget_ends_what_is_kept_and_the_warm_up_comes_first() {
+    let mut groom = groom();
+    groom.movement.warm_up_secs = 0.5;
+    groom.simulation.bend_length = 0.1;
+    let mut show = Show::new(&groom);
+    let n_bytes = 16 * 120 + 200;
+    show.stage.player().set_budget(8 * n_bytes);
+    let (_, settled) = show.seek(0);
+    let at_rest = &show.stage.bound().bindings().next().unwrap().guides.positions;
+    let moved = settled.unwrap().positions[0].iter().zip(at_rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+    assert!(moved.is_finite());
+    show.play(30);
+    let kept = show.stage.player().frames().runs();
+    assert!(kept.len() == 1 && *kept[0].end() < 20, "{kept:?}");
+    assert!(show.at() >= 29);
+}
