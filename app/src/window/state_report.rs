@@ -130,7 +130,6 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         },
         "playing": desk.playback.is_playing,
         "sim_secs": report.timeline.secs,
-        "timeline": super::timeline::report(desk),
         "head": [pose.shift.x, pose.shift.y, pose.shift.z, pose.yaw, pose.pitch],
         "still": report.is_still && studio.is_shown(),
         "frame": report.frame_idx,
@@ -168,6 +167,7 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     });
     // One more entry is more than the macro expands.
     state["room"] = super::room::report(desk);
+    state["timeline"] = super::timeline::report(desk);
     state
 }
 
