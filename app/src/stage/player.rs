@@ -39,7 +39,7 @@ pub struct Score {
     pub movement: Movement,
 }
 
-/// The solver with what it was made for.
+/// The solver, and where on the timeline it stands.
 struct Moving {
     solver: GpuSolver,
     settings: SimulationSettings,
