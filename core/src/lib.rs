@@ -39,5 +39,5 @@ pub mod sculpt;
 pub mod simulation;
 pub mod strands;
 pub mod style;
-pub mod wind;
 pub mod take_over;
+pub mod wind;
