@@ -4,7 +4,7 @@
 
 use lorelei_core::groom::{HairMaterial, HairPreset};
 use lorelei_core::look::{Choice, Look, Param, ParamValue, Slot};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::simulation::{HairKind, SimulationSettings};
 use lorelei_core::style::{StyleKind, StyleOp};
 use serde_json::{Value, json};
 
@@ -38,6 +38,10 @@ pub fn run(arguments: &LooksArguments) -> Result<(), CliError> {
     print_line(&format!("{}  A hair colour by name, of every layer", set::PRESET_KEY))?;
     for info in HairPreset::ALL.iter().map(|preset| preset.info()) {
         print_line(&format!("   {}={}  {}", set::PRESET_KEY, info.name, info.help))?;
+    }
+    print_line(&format!("{}  A kind of hair, by how it moves", set::KIND_KEY))?;
+    for info in HairKind::ALL.iter().map(|kind| kind.info()) {
+        print_line(&format!("   {}={}  {}", set::KIND_KEY, info.name, info.help))?;
     }
     print_line("layer  Counts and widths of every layer")?;
     let mut layer = set::sample_layer();

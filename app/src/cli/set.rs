@@ -6,6 +6,7 @@ use std::sync::Arc;
 use lorelei_core::groom::{Groom, HairMaterial, HairPreset, Layer, Source};
 use lorelei_core::look::{Choice, Param, SetError, Slot, set};
 use lorelei_core::maps::MapKind;
+use lorelei_core::simulation::HairKind;
 use lorelei_core::strands::Strands;
 use lorelei_core::style::{Profile, SHAPES, StyleKind, StyleOp};
 
@@ -13,6 +14,9 @@ use super::CliError;
 
 /// Takes a hair colour by name.
 pub const PRESET_KEY: &str = "hair.preset";
+
+/// Takes a kind of hair, by how it moves.
+pub const KIND_KEY: &str = "sim.kind";
 
 /// Split `KEY=VALUE`, for clap.
 pub fn parse_assignment(text: &str) -> Result<(String, String), String> {
@@ -36,6 +40,14 @@ fn apply_one(groom: &mut Groom, key: &str, value: &str) -> Result<(), SetError> 
             SetError::BadValue { key: key.to_owned(), value: value.to_owned(), takes }
         })?;
         groom.layers.iter_mut().for_each(|layer| layer.material.take(preset));
+        return Ok(());
+    }
+    if key == KIND_KEY {
+        let kind = HairKind::ALL.iter().copied().find(|kind| kind.info().name == value).ok_or_else(|| {
+            let takes = HairKind::ALL.iter().map(|kind| kind.info().name).collect::<Vec<_>>().join(", ");
+            SetError::BadValue { key: key.to_owned(), value: value.to_owned(), takes }
+        })?;
+        groom.simulation.take(kind);
         return Ok(());
     }
     if head == "hair" {

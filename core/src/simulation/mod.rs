@@ -3,6 +3,8 @@
 //! Every number is a physical one, so that the same groom moves the same at other vertex counts, step
 //! rates and iteration counts. Shares "0-1 of something, per iteration" were rejected for that reason.
 
+mod preset;
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +12,8 @@ use crate::camera::direction_from_deg;
 use crate::collider::Collider;
 use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices, integer, number};
 use crate::wind::{AirSettings, WindSource};
+
+pub use preset::HairKind;
 
 choices! {
     /// The law by which a strand moves.

@@ -3,5 +3,6 @@
 mod contacts;
 mod grooms;
 mod laws;
+mod rods;
 mod twins;
 mod wind;

@@ -26,6 +26,7 @@ use lorelei_core::grow::{Growth, grow};
 use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::maps::{MapKind, Maps, ScalpMap};
 use lorelei_core::mesh::TriMesh;
+use lorelei_core::simulation::HairKind;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::sdf;
@@ -66,7 +67,26 @@ pub fn all(head: &TriMesh, keys: &[String]) -> Result<Vec<(&'static str, Groom)>
     ];
     let is_wanted = |key: &str| keys.is_empty() || keys.iter().any(|wanted| wanted == key);
     let wanted = styles.into_iter().filter(|(key, _)| is_wanted(key));
-    wanted.map(|(key, make)| Ok((key, make(&studio)?))).collect()
+    wanted.map(|(key, make)| Ok((key, moving(key, make(&studio)?)))).collect()
+}
+
+/// The style with what it is like when it moves: the kind of its hair, and how far from the root it is tied. A braid is tied
+/// nearly to its end: guides know nothing of the strands that they are plaited with.
+fn moving(key: &str, mut groom: Groom) -> Groom {
+    let (kind, tied) = match key {
+        "curls" => (HairKind::TightCurls, 0.0),
+        "bob" => (HairKind::ThickWavy, 0.0),
+        "crop" => (HairKind::Tied, 0.0),
+        "ponytail" => (HairKind::FineStraight, 0.45),
+        "bun" | "knot" => (HairKind::Tied, 1.0),
+        "braid" => (HairKind::Tied, 0.9),
+        _ => (HairKind::FineStraight, 0.0),
+    };
+    groom.simulation.take(kind);
+    for layer in &mut groom.layers {
+        layer.tied = tied;
+    }
+    groom
 }
 
 impl Studio {

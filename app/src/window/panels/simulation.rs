@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{AtEnd, HeadPose, Motion, Movement};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::simulation::{HairKind, SimulationSettings};
 
 use super::widgets::{self, form_row, mebibytes};
 use crate::window::desk::{Desk, merge_of};
@@ -35,7 +35,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
-    let mut change = None;
+    let mut change = kinds(ui, &mut settings);
     for (mut slot, mut default) in settings.slots().into_iter().zip(default.slots()) {
         change = change.or(widgets::slot(ui, &mut slot, &mut default, &widgets::Notes::default()));
     }
@@ -43,6 +43,21 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         desk.document.edit(&change.label, Edit::SetSimulation(Box::new(settings)), merge_of(change.drag));
     }
     super::colliders::section(ui, desk);
+}
+
+/// Kinds of hair by how they move, as starting points.
+fn kinds(ui: &mut Ui, settings: &mut SimulationSettings) -> Option<widgets::Change> {
+    let mut change = None;
+    ui.horizontal_wrapped(|ui| {
+        for &kind in HairKind::ALL {
+            let info = kind.info();
+            if ui.small_button(info.label).on_hover_text(info.help).clicked() {
+                settings.take(kind);
+                change = Some(widgets::Change::once(format!("{} hair moves", info.label)));
+            }
+        }
+    });
+    change
 }
 
 /// Range, frames a second, what happens at the end, and what kept frames may take.
