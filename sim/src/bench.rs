@@ -1,6 +1,6 @@
-//! How long a step takes on the CPU and on the GPU, in one run and in turns.
+//! How long steps take: on the GPU, and on the CPU with all cores or with one.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use glam::{UVec3, Vec3};
 use lorelei_core::distance_field::DistanceField;
@@ -11,15 +11,17 @@ use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 
 use crate::{CpuSolver, GpuSolver};
 
-/// Medians over the rounds.
+/// Steps of a measured frame.
+pub const STEPS: u32 = 8;
+/// Steps a second while measuring.
+const STEPS_PER_SECOND: f32 = 240.0;
+const FRAME_SECS: f32 = STEPS as f32 / STEPS_PER_SECOND;
+
+/// Strands that shake on a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StepTimes {
-    pub n_guides: u32,
+pub struct Workload {
+    pub n_strands: u32,
     pub n_vertices: u32,
-    /// Milliseconds a step, all cores.
-    pub cpu_ms: f64,
-    /// Milliseconds a step, from submission until it is done.
-    pub gpu_ms: f64,
 }
 
 /// Why nothing was measured.
@@ -31,47 +33,66 @@ pub enum BenchError {
     Gpu(#[from] GpuError),
 }
 
-/// Time the two solvers on `n_guides` wavy strands of 30 cm around a ball that shakes, alternating.
-pub fn step_times(
+/// Milliseconds that the GPU takes for a frame of [`STEPS`] steps: the median of rounds of several frames each, from
+/// submission until they are done, after warming up for as long.
+pub fn gpu_frame_ms(
     gpu: &Gpu,
     library: &ShaderLibrary,
-    n_guides: u32,
-    n_vertices: u32,
-    n_rounds: u32,
-) -> Result<StepTimes, BenchError> {
-    const FRAMES_A_ROUND: u32 = 4;
-    const FRAME_SECS: f32 = 1.0 / 60.0;
-    let (guides, field, settings) = (wavy(n_guides, n_vertices), ball(), SimulationSettings::default());
-    let mut on_cpu = CpuSolver::new(&[&guides], Some(&field), &settings);
-    let mut on_gpu = GpuSolver::new(gpu, library, &[&guides], Some(&field), &settings)?;
-    let (mut cpu_ms, mut gpu_ms) = (Vec::new(), Vec::new());
-    // The first round warms up pipelines and caches and is not counted.
-    for round in 0..=n_rounds.max(1) {
-        let pose =
-            |frame: u32| Motion::Shake.pose((round * FRAMES_A_ROUND + frame) as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0);
+    work: Workload,
+    settings: &SimulationSettings,
+    budget: Duration,
+) -> Result<f64, BenchError> {
+    let (guides, field) = (wavy(work), ball());
+    let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
+    let mut solver = GpuSolver::new(gpu, library, &[&guides], Some(&field), &settings)?;
+    let mut n_frames = 0;
+    let mut round = |frames: u32| -> Result<f64, BenchError> {
         let start = Instant::now();
-        let mut n_steps = 0;
-        for frame in 0..FRAMES_A_ROUND {
-            on_cpu.set_head_pose(&pose(frame));
-            n_steps += on_cpu.advance(FRAME_SECS);
-        }
-        let cpu = start.elapsed().as_secs_f64() * 1e3 / n_steps.max(1) as f64;
-        let start = Instant::now();
-        let mut n_steps = 0;
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        for frame in 0..FRAMES_A_ROUND {
-            on_gpu.set_head_pose(&pose(frame));
-            n_steps += on_gpu.advance(&mut encoder, FRAME_SECS)?;
+        for _ in 0..frames {
+            n_frames += 1;
+            solver.set_head_pose(&Motion::Shake.pose(n_frames as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0));
+            solver.advance(&mut encoder, FRAME_SECS)?;
         }
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        let on_gpu_ms = start.elapsed().as_secs_f64() * 1e3 / n_steps.max(1) as f64;
-        if round > 0 {
-            cpu_ms.push(cpu);
-            gpu_ms.push(on_gpu_ms);
-        }
+        Ok(start.elapsed().as_secs_f64() * 1e3 / f64::from(frames))
+    };
+    // As many frames as make submitting them small beside them.
+    let frames = ((40.0 / round(1)?.max(1e-3)) as u32).clamp(1, 32);
+    let warm_up = Instant::now();
+    while warm_up.elapsed() < budget {
+        round(frames)?;
     }
-    Ok(StepTimes { n_guides, n_vertices, cpu_ms: median(&mut cpu_ms), gpu_ms: median(&mut gpu_ms) })
+    let mut times = Vec::new();
+    let start = Instant::now();
+    while times.len() < 3 || start.elapsed() < budget {
+        times.push(round(frames)?);
+    }
+    Ok(median(&mut times))
+}
+
+/// Milliseconds that the CPU takes for a frame of [`STEPS`] steps, with as many threads: the median over a time.
+pub fn cpu_frame_ms(work: Workload, settings: &SimulationSettings, n_threads: usize, budget: Duration) -> f64 {
+    let (guides, field) = (wavy(work), ball());
+    let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
+    let measured = || {
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
+        let mut times = Vec::new();
+        let start = Instant::now();
+        while times.len() < 4 || start.elapsed() < budget {
+            solver.set_head_pose(&Motion::Shake.pose(times.len() as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0));
+            let frame = Instant::now();
+            solver.advance(FRAME_SECS);
+            times.push(frame.elapsed().as_secs_f64() * 1e3);
+        }
+        // The first one touches everything for the first time.
+        median(&mut times[1..])
+    };
+    match rayon::ThreadPoolBuilder::new().num_threads(n_threads).build() {
+        Ok(pool) => pool.install(measured),
+        Err(_) => measured(),
+    }
 }
 
 fn median(times: &mut [f64]) -> f64 {
@@ -80,8 +101,8 @@ fn median(times: &mut [f64]) -> f64 {
 }
 
 /// Strands that leave a ball of 9 cm at its equator and above, and hang in waves.
-fn wavy(n_guides: u32, n_vertices: u32) -> GuideSet {
-    let n_vertices = n_vertices.max(2);
+fn wavy(work: Workload) -> GuideSet {
+    let (n_guides, n_vertices) = (work.n_strands, work.n_vertices.max(2));
     let mut positions = Vec::with_capacity((n_guides * n_vertices) as usize);
     for guide_idx in 0..n_guides {
         let y = 0.6 * guide_idx as f32 / n_guides as f32;
@@ -110,7 +131,9 @@ mod tests {
     #[test]
     fn both_solvers_are_timed() {
         let gpu = Gpu::headless().unwrap();
-        let times = step_times(&gpu, &ShaderLibrary::embedded(), 50, 16, 2).unwrap();
-        assert!(times.cpu_ms > 0.0 && times.gpu_ms > 0.0 && times.cpu_ms.is_finite(), "{times:?}");
+        let (work, settings) = (Workload { n_strands: 20, n_vertices: 16 }, SimulationSettings::default());
+        let on_gpu = gpu_frame_ms(&gpu, &ShaderLibrary::embedded(), work, &settings, Duration::ZERO).unwrap();
+        let on_cpu = cpu_frame_ms(work, &settings, 1, Duration::ZERO);
+        assert!(on_gpu > 0.0 && on_cpu > 0.0, "{on_gpu} {on_cpu}");
     }
 }

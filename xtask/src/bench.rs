@@ -74,6 +74,11 @@ pub fn bench(args: &[String]) -> Result<(), String> {
         return Err("lorelei measure frames failed".to_owned());
     }
 
+    println!("Movement (lorelei measure movement):");
+    let measured = Command::new(binary("release", "lorelei")).args(["measure", "movement"]).status();
+    if !measured.is_ok_and(|status| status.success()) {
+        return Err("lorelei measure movement failed".to_owned());
+    }
     println!("Work on a groom (lorelei measure grooming):");
     let measured = Command::new(binary("release", "lorelei")).args(["measure", "grooming"]).status();
     if !measured.is_ok_and(|status| status.success()) {

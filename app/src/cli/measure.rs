@@ -24,6 +24,7 @@ use serde_json::{Value, json};
 use super::{CliError, print_line};
 
 mod frames;
+mod movement;
 mod page;
 mod paint;
 mod shadowing;
@@ -36,7 +37,8 @@ pub struct MeasureArguments {
     what: What,
     /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter, size,
     /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
-    /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}.
+    /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}; of `movement`
+    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}]}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
@@ -59,6 +61,8 @@ enum What {
     Frames,
     /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
+    /// Steps of the strand solvers on the GPU and on the CPU.
+    Movement,
     /// Baking the tables of every model of scattering that has some.
     Scattering,
     /// Transmittance of every shadow technique against the exact one, GPU times and bytes.
@@ -83,6 +87,7 @@ pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         What::Grooming => grooming()?,
         What::Scattering => scattering(),
         What::Frames => return frames::run(arguments),
+        What::Movement => return movement::run(arguments),
         What::Shadowing => return shadowing::run(arguments),
         What::Transparency => return transparency::run(arguments),
     };
