@@ -292,6 +292,19 @@ mod tests {
     }
 
     #[test]
+    fn an_open_mesh_with_flipped_triangles_keeps_its_signs() {
+        let mut mesh = sphere(Vec3::ZERO, 10.0, 32);
+        mesh.triangles.retain(|t| t.iter().any(|&v| mesh.positions[v as usize].y > -7.0));
+        mesh.triangles.iter_mut().step_by(10).for_each(|t| t.swap(1, 2));
+        let field = DistanceField::from_mesh(&mesh, 48).unwrap();
+        for p in nodes(UVec3::from_array(field.n)).map(|node| field.min + field.cell * node.as_vec3()) {
+            // A tenth of the triangles are of the other winding: the sign is sure half a centimetre from them.
+            assert!(p.length() > 9.5 || p.y < -3.0 || field.sample(p) < 0.0, "{p} is inside: {}", field.sample(p));
+            assert!(p.length() < 10.5 || field.sample(p) > 0.0, "{p} is outside: {}", field.sample(p));
+        }
+    }
+
+    #[test]
     fn bad_meshes_are_errors() {
         DistanceField::from_mesh(&TriMesh::default(), 64).unwrap_err();
         let mut flat = sphere(Vec3::ZERO, 1.0, 6);

@@ -12,6 +12,7 @@ use lorelei_core::groom::Groom;
 use lorelei_core::io::Watch;
 use lorelei_core::lod::{LodBlend, MOST_WIDER};
 use lorelei_core::maps::MapKind;
+use lorelei_core::simulation::Interpolated;
 use lorelei_shaders::{Bindings, Gpu, Hot, Kernel, Link, ShaderError, ShaderLibrary};
 use wgpu::BufferUsages;
 
@@ -27,13 +28,25 @@ pub struct StrandGenerator {
     blends_before: bool,
     /// Those control points, of one layer after the other.
     paths: wgpu::Buffer,
+    /// Where strands enter the head, of one layer after the other.
+    hits: wgpu::Buffer,
     mirror: Mirror,
     params: Vec<wgpu::Buffer>,
 }
 
 /// What a kernel of generate.wgsl is made for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-enum Variant {
+struct Variant {
+    pass: Pass,
+    /// How strands between moved guides are kept out of the head.
+    interpolated: Interpolated,
+}
+
+/// What of the work a kernel does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Pass {
+    /// Where strands enter the head.
+    Hits,
     /// Strands that blend their control points themselves.
     Direct(Sort),
     /// Strands from control points that are there; all styles, or those that
@@ -45,15 +58,22 @@ enum Variant {
 
 impl Variant {
     fn make(self, library: &ShaderLibrary, gpu: &Gpu) -> Result<Kernel, ShaderError> {
-        let (entry, is_full, defs): (_, _, &[Link<'_>]) = match self {
-            Self::Direct(Sort::Plain) => ("generate", false, &[]),
-            Self::Direct(Sort::Full) => ("generate", true, &[]),
-            Self::Direct(Sort::Ironing) => ("generate", true, &[Link::Def("IRONS")]),
-            Self::FromPaths { is_full } => ("generate", is_full, &[Link::Def("READS_PATHS")]),
-            Self::Paths { irons: false } => ("make_paths", true, &[Link::Def("MAKES_PATHS")]),
-            Self::Paths { irons: true } => ("make_paths", true, &[Link::Def("MAKES_PATHS"), Link::Def("IRONS")]),
+        let (entry, is_full, of_pass): (_, _, &[&str]) = match self.pass {
+            Pass::Hits => ("find_hits", true, &["FINDS_HITS"]),
+            Pass::Direct(Sort::Plain) => ("generate", false, &[]),
+            Pass::Direct(Sort::Full) => ("generate", true, &[]),
+            Pass::Direct(Sort::Ironing) => ("generate", true, &["IRONS"]),
+            Pass::FromPaths { is_full } => ("generate", is_full, &["READS_PATHS"]),
+            Pass::Paths { irons: false } => ("make_paths", true, &["MAKES_PATHS"]),
+            Pass::Paths { irons: true } => ("make_paths", true, &["MAKES_PATHS", "IRONS"]),
         };
-        library.kernel(gpu, "generate", entry, &[("FULL", f64::from(u8::from(is_full)))], defs)
+        let of_choice: &[&str] = match (self.interpolated, self.pass) {
+            (Interpolated::SingleGuide, Pass::Direct(_) | Pass::Paths { .. }) => &["READS_HITS"],
+            (Interpolated::Free, Pass::Direct(_) | Pass::FromPaths { .. }) => &["FREE"],
+            (_, _) => &[],
+        };
+        let defs: Vec<Link<'_>> = of_pass.iter().chain(of_choice).map(|&name| Link::Def(name)).collect();
+        library.kernel(gpu, "generate", entry, &[("FULL", f64::from(u8::from(is_full)))], &defs)
     }
 }
 
@@ -115,6 +135,7 @@ impl StrandGenerator {
             kernels: HashMap::new(),
             blends_before,
             paths: gpu.buffer("generate.paths", 0, BufferUsages::STORAGE),
+            hits: gpu.buffer("generate.hits", 0, BufferUsages::STORAGE),
             mirror: Mirror::new(gpu),
             params: Vec::new(),
         }
@@ -220,6 +241,13 @@ impl StrandGenerator {
             if from_paths {
                 gpu.checked(|| fit(gpu, &mut self.paths, n_points * 16))?;
             }
+            let interpolated = if moved.is_some() { self.mirror.interpolated } else { Interpolated::Pushed };
+            // Without a head there is nothing to hit.
+            let interpolated = if field.is_some() { interpolated } else { Interpolated::Pushed };
+            let finds_hits = interpolated == Interpolated::SingleGuide;
+            if finds_hits {
+                gpu.checked(|| fit(gpu, &mut self.hits, u64::from(params.n_paths) * 16))?;
+            }
             let resources = [
                 ("params", params_buffer.as_entire_binding()),
                 ("guides", moved.unwrap_or(&layer.guides).as_entire_binding()),
@@ -233,15 +261,20 @@ impl StrandGenerator {
                 ("field", self.mirror.field_buffer.as_entire_binding()),
                 ("knots", layer.knots.as_entire_binding()),
                 ("paths", self.paths.as_entire_binding()),
+                ("rest_guides", layer.guides.as_entire_binding()),
+                ("hits", self.hits.as_entire_binding()),
                 ("vertices", self.mirror.buffers.vertices.as_entire_binding()),
             ];
-            let of_paths = (Variant::Paths { irons: sort == Sort::Ironing }, n_points as u32);
+            let of_hits = (Pass::Hits, params.n_paths);
+            let of_paths = (Pass::Paths { irons: sort == Sort::Ironing }, n_points as u32);
             let of_strands = if from_paths {
-                (Variant::FromPaths { is_full: sort != Sort::Plain }, lod.n_drawn)
+                (Pass::FromPaths { is_full: sort != Sort::Plain }, lod.n_drawn)
             } else {
-                (Variant::Direct(sort), lod.n_drawn)
+                (Pass::Direct(sort), lod.n_drawn)
             };
-            for (variant, n_items) in from_paths.then_some(of_paths).into_iter().chain([of_strands]) {
+            let passes = finds_hits.then_some(of_hits).into_iter().chain(from_paths.then_some(of_paths));
+            for (pass, n_items) in passes.chain([of_strands]) {
+                let variant = Variant { pass, interpolated };
                 let make = |library: &ShaderLibrary| variant.make(library, gpu);
                 Hot::have(&mut self.kernels, library, &variant, make)?;
                 let bindings = self.kernels[&variant].bind_used(gpu, &resources)?;
@@ -259,9 +292,9 @@ impl StrandGenerator {
         }
     }
 
-    /// Bytes of the control points.
+    /// Bytes of the control points and of the places where strands enter the head.
     pub fn n_bytes(&self) -> u64 {
-        self.paths.size()
+        self.paths.size() + self.hits.size()
     }
 }
 
@@ -291,10 +324,12 @@ mod tests {
     use std::sync::Arc;
 
     use glam::{Quat, Vec3};
+    use lorelei_core::binding::LayerBinding;
     use lorelei_core::generate::{Pose, generate};
     use lorelei_core::groom::{Head, Layer, Source};
     use lorelei_core::hair_mesh::{HairMesh, Weld};
     use lorelei_core::lod::LodSettings;
+    use lorelei_core::look::Choice;
     use lorelei_core::maps::{MapKind, ScalpMap};
     use lorelei_core::mesh::TriMesh;
     use lorelei_core::sculpt::{SculptGuide, SculptLayer, SculptRoots};
@@ -506,7 +541,8 @@ mod tests {
                 let guides: Vec<Vec3> =
                     binding.guides.positions.iter().map(|p| world_from_head.transform_point3(*p)).collect();
                 let field = generator.mirror().field().map(|field| &**field);
-                let strands = generate(binding, layer, &guides, &Pose { world_from_head, field, lod, blend });
+                let pose = Pose { world_from_head, field, lod, blend, interpolated: None };
+                let strands = generate(binding, layer, &guides, &pose);
                 assert_eq!(drawn.n_strands as usize, strands.n_strands());
                 assert_eq!(drawn.material as usize, layer_idx);
                 for s in 0..strands.n_strands() {
@@ -525,6 +561,71 @@ mod tests {
             eprintln!("lod {lod}, blended before {before}: CPU and GPU differ by {worst} of a strand's length");
             assert!(worst < 1e-4, "{worst}");
         }
+    }
+
+    /// Guides that swing into the ball, each in its own way.
+    fn swung(binding: &LayerBinding, world_from_head: &Affine3A) -> Vec<Vec3> {
+        let n = binding.guides.n_vertices as usize;
+        let guides = binding.guides.positions.iter().enumerate();
+        guides
+            .map(|(at, &p)| {
+                let along = (at % n) as f32 / (n - 1) as f32;
+                let swing = Vec3::new((at / n) as f32 % 3.0 - 1.0, -0.6, (at / n) as f32 % 2.0 - 0.5);
+                world_from_head.transform_point3(p + 5.0 * along * along * swing)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn strands_between_moved_guides_are_alike_however_they_are_kept_out() {
+        let gpu = Gpu::headless().unwrap();
+        let mut groom = groom();
+        groom.head = Some(ball(8.0));
+        let world_from_head = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.4), Vec3::X);
+        let mut kept_out = Vec::new();
+        for interpolated in Interpolated::ALL {
+            groom.simulation.interpolated = *interpolated;
+            for blends_before in [false, true] {
+                let mut generator = StrandGenerator::blending_before(&gpu, blends_before);
+                generator.set_groom(&gpu, &groom).unwrap();
+                let guides: Vec<Vec<Vec3>> =
+                    generator.mirror().layers.iter().map(|layer| swung(&layer.binding, &world_from_head)).collect();
+                let buffers: Vec<wgpu::Buffer> = guides
+                    .iter()
+                    .map(|guides| {
+                        let vertices: Vec<[f32; 4]> = guides.iter().map(|p| p.extend(0.0).to_array()).collect();
+                        gpu.buffer_of("guides", &vertices, BufferUsages::STORAGE)
+                    })
+                    .collect();
+                let moved: Vec<_> = buffers.iter().map(Some).collect();
+                let (lod, blend) = (1.0, LodBlend::default());
+                let pose = StrandPose { world_from_head, guides: &moved, lod, blend, veil: Veil::Full };
+                let vertices = make(&gpu, &mut generator, &pose);
+                let mut worst: f32 = 0.0;
+                let mut deepest: f32 = 0.0;
+                for (layer_idx, layer) in groom.layers.iter().enumerate() {
+                    let binding = generator.mirror().binding(layer_idx).unwrap();
+                    let drawn = generator.strands().layers[layer_idx];
+                    let field = generator.mirror().field().map(|field| &**field);
+                    let pose = Pose { world_from_head, field, lod, blend, interpolated: Some(*interpolated) };
+                    let strands = generate(binding, layer, &guides[layer_idx], &pose);
+                    for s in 0..strands.n_strands() {
+                        let length = polyline_length(strands.strand(s)).max(0.1);
+                        for (v, p) in strands.strand(s).iter().enumerate() {
+                            let at = drawn.first_vertex as usize + s * drawn.vertices_per_strand as usize + v;
+                            let [x, y, z, _] = vertices[at];
+                            worst = worst.max(p.distance(Vec3::new(x, y, z)) / length);
+                            deepest = deepest.max(8.0 - p.distance(Vec3::X));
+                        }
+                    }
+                }
+                eprintln!("{interpolated:?}, before {blends_before}: apart {worst} of a length, {deepest} cm deep");
+                assert!(worst < 2e-4, "{interpolated:?}: {worst}");
+                kept_out.push(deepest);
+            }
+        }
+        // The swing goes in; what is pushed out stays out.
+        assert!(kept_out[4] > 1.0 && kept_out[..4].iter().all(|&deepest| deepest < 0.1), "{kept_out:?}");
     }
 
     #[test]

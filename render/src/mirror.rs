@@ -14,6 +14,7 @@ use lorelei_core::generate::plan::{Plan, Step};
 use lorelei_core::groom::{Groom, Layer};
 use lorelei_core::maps::MapKind;
 use lorelei_core::sculpt::{Composite, SculptRoots, compose::Composed};
+use lorelei_core::simulation::Interpolated;
 use lorelei_core::style::Blend;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use wgpu::BufferUsages;
@@ -104,6 +105,8 @@ pub struct Mirror {
     pub(crate) layers: Vec<LayerMirror>,
     bound: Bound,
     pub(crate) field_buffer: wgpu::Buffer,
+    /// How strands between moved guides are kept out of the head.
+    pub(crate) interpolated: Interpolated,
     pub(crate) buffers: StrandBuffers,
 }
 
@@ -194,6 +197,7 @@ impl Mirror {
             layers: Vec::new(),
             bound: Bound::default(),
             field_buffer: gpu.buffer("generate.field", 0, STORAGE),
+            interpolated: Interpolated::Pushed,
             buffers,
         }
     }
@@ -231,6 +235,7 @@ impl Mirror {
             self.field_buffer = gpu.buffer_of("generate.field", values, STORAGE);
         }
         self.bound = bound;
+        self.interpolated = groom.simulation.interpolated;
         Ok(warnings)
     }
 

@@ -70,6 +70,14 @@ struct Influence {
     weight: f32,
 }
 
+// Where a strand goes with one guide: twin of Hit in core/src/generate/single_guide.rs.
+struct Hit {
+    first: f32,
+    amount: f32,
+    guide_idx: u32,
+    pad: u32,
+}
+
 struct Op {
     kind: u32,
     // Which of a strand's clump middles; NONE is the strand itself.
@@ -116,6 +124,16 @@ struct Op {
 @group(0) @binding(12) var<storage, read> paths: array<vec4<f32>>;
 #endif
 
+#ifdef FINDS_HITS
+@group(0) @binding(13) var<storage, read_write> hits: array<Hit>;
+@group(0) @binding(14) var<storage, read> rest_guides: array<vec4<f32>>;
+#endif
+#ifdef READS_HITS
+@group(0) @binding(13) var<storage, read> hits: array<Hit>;
+// At rest, head space.
+@group(0) @binding(14) var<storage, read> rest_guides: array<vec4<f32>>;
+#endif
+
 // LodBlend: how many times wider a strand gets, at most, where a painted map took its neighbours away.
 const MOST_WIDER: f32 = 4.0;
 const NONE: u32 = 0xFFFFFFFFu;
@@ -148,6 +166,10 @@ const N_TABLE: u32 = 33u;
 const WISP_FEATURE: f32 = 3.0;
 const PART_EDGE: f32 = 0.1;
 
+const BLENDING_ZONE: f32 = 4.0;
+const TOUCHING: f32 = 0.01;
+const FULL_DEPTH: f32 = 0.2;
+
 const KEEP_OUT: f32 = 0.3;
 const GROW_OUT: f32 = 2.0;
 const TAPER: f32 = 0.1;
@@ -175,6 +197,9 @@ struct Curve {
     // Influence; or control point, where those are blended already.
     first: u32,
     n_influences: u32,
+#ifdef READS_HITS
+    hit: Hit,
+#endif
     // How strongly it is ironed.
     ironing: f32,
     // Root offset in world space.
@@ -325,6 +350,11 @@ fn strength_of(strand_idx: u32, i: u32) -> f32 {
     return ops[i].strength * share;
 }
 
+// How far control point i goes with the one guide.
+fn share_of(hit: Hit, i: u32) -> f32 {
+    return hit.amount * clamp((f32(i) - hit.first) / BLENDING_ZONE + 1.0, 0.0, 1.0);
+}
+
 fn blended(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
     var p = vec3<f32>(0.0);
     let first = (*curve).first;
@@ -332,6 +362,19 @@ fn blended(curve: ptr<function, Curve>, i: u32) -> vec3<f32> {
         let influence = influences[k];
         p += influence.weight * guides[influence.guide_idx * params.guide_vertices + i].xyz;
     }
+#ifdef READS_HITS
+    let share = share_of((*curve).hit, i);
+    if share > 0.0 {
+        // Where the strand rests beside its strongest guide, and that guide now.
+        let of_guide = (*curve).hit.guide_idx * params.guide_vertices + i;
+        var beside = -rest_guides[of_guide].xyz;
+        for (var k = first; k < first + (*curve).n_influences; k++) {
+            let influence = influences[k];
+            beside += influence.weight * rest_guides[influence.guide_idx * params.guide_vertices + i].xyz;
+        }
+        p += share * (guides[of_guide].xyz + rotate(params.world_from_head, beside) - p);
+    }
+#endif
     return p;
 }
 
@@ -388,6 +431,9 @@ fn find(curve: ptr<function, Curve>, strand_idx: u32) {
         (*curve).ironing = strength_of(strand_idx, params.smooth_op);
     }
     (*curve).offset = rotate(params.world_from_head, strands[strand_idx].root_offset);
+#ifdef READS_HITS
+    (*curve).hit = hits[strand_idx];
+#endif
 #endif
 }
 
@@ -731,6 +777,9 @@ fn field_index(node: vec3<u32>) -> u32 {
 
 // Push a vertex out of the head, squeezing the distances below the margin in their order.
 fn keep_out(p: vec3<f32>, arc_length: f32, seed: u32) -> vec3<f32> {
+#ifdef FREE
+    return p;
+#else
     if params.field_n.x == 0u {
         return p;
     }
@@ -750,7 +799,66 @@ fn keep_out(p: vec3<f32>, arc_length: f32, seed: u32) -> vec3<f32> {
     let wanted = margin * exp(distance / margin - 1.0);
     let out = normalize_or(sample.xyz, vec3<f32>(0.0));
     return move_point(params.world_from_head, in_head + (wanted - distance) * out);
+#endif
 }
+
+#ifdef FINDS_HITS
+// Distance from the head, head space.
+fn field_distance(p: vec3<f32>) -> f32 {
+    let in_cells = (p - params.field_min) / params.field_cell;
+    let inside = clamp(in_cells, vec3<f32>(0.0), vec3<f32>(params.field_n - 1u));
+    return sample_field(inside).w + length(in_cells - inside) * params.field_cell;
+}
+
+// The first control point of a strand that is deeper in the head than it rests.
+@compute @workgroup_size(64)
+fn find_hits(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
+    let strand_idx = id.x + id.y * n_groups.x * 64u;
+    if strand_idx >= params.n_paths {
+        return;
+    }
+    let n = params.guide_vertices;
+    let strand = strands[strand_idx];
+    var strongest = Hit(0.0, 0.0, 0u, 0u);
+    var most = -1e30;
+    for (var k = strand.first_influence; k < strand.first_influence + strand.n_influences; k++) {
+        if influences[k].weight > most {
+            most = influences[k].weight;
+            strongest.guide_idx = influences[k].guide_idx;
+        }
+    }
+    var deepest = 0.0;
+    var before = 0.0;
+    var is_hit = false;
+    for (var i = 0u; i < n; i++) {
+        let left = 1.0 - smooth_step(0.0, 1.0, f32(i) / f32(n - 1u)) * (1.0 - params.offset_at_tip);
+        let offset = left * strand.root_offset;
+        var p = vec3<f32>(0.0);
+        var at_rest = vec3<f32>(0.0);
+        for (var k = strand.first_influence; k < strand.first_influence + strand.n_influences; k++) {
+            let influence = influences[k];
+            p += influence.weight * guides[influence.guide_idx * n + i].xyz;
+            at_rest += influence.weight * rest_guides[influence.guide_idx * n + i].xyz;
+        }
+        var clearance = field_distance(move_point(params.head_from_world, p) + offset);
+        if clearance < 0.0 {
+            clearance -= min(field_distance(at_rest + offset), 0.0);
+        }
+        clearance += TOUCHING;
+        if clearance < 0.0 {
+            if !is_hit {
+                is_hit = true;
+                let above = select(1.0, before / (before - clearance), before > 0.0);
+                strongest.first = f32(i) - 1.0 + above;
+            }
+            deepest = max(deepest, -clearance);
+        }
+        before = clearance;
+    }
+    strongest.amount = smooth_step(0.0, FULL_DEPTH, deepest);
+    hits[strand_idx] = strongest;
+}
+#endif
 
 #ifdef MAKES_PATHS
 @compute @workgroup_size(64)

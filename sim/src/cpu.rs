@@ -13,6 +13,7 @@ use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
 use crate::state::SolverState;
+use crate::volume::VolumeGrid;
 use crate::wind::CpuWind;
 use crate::wind::cpu::HairLayer;
 
@@ -23,6 +24,7 @@ pub struct CpuSolver {
     hair: Vec<HairAmount>,
     field: Option<DistanceField>,
     capsules: Vec<Capsule>,
+    volume: Option<VolumeGrid>,
     settings: SimulationSettings,
     clock: Clock,
     pose: Pose,
@@ -37,12 +39,14 @@ impl CpuSolver {
         let pose = Pose::IDENTITY;
         let layers: Vec<SimulatedLayer> =
             guides.iter().map(|guides| SimulatedLayer::new(guides, obstacles, settings, pose)).collect();
+        let volume = volume_of(&layers, settings);
         Self {
             hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest), &[]),
             air: CpuAir::default(),
             layers,
             field: field.cloned(),
             capsules,
+            volume,
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose,
@@ -62,12 +66,44 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.set_settings(obstacles, are_moved, settings, self.pose);
         }
+        if VolumeGrid::is_other(&self.settings, settings) {
+            self.volume = volume_of(&self.layers, settings);
+        }
         self.settings = settings.clone();
     }
 
     /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
     pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
         self.layers[layer_idx].set_ties(ties, &self.settings, self.pose);
+    }
+
+    /// Room that the hair took when the last frame began, cm3; `None` where nobody counts it.
+    pub fn occupied_cm3(&self) -> Option<f32> {
+        self.volume.as_ref().map(VolumeGrid::occupied_cm3)
+    }
+
+    /// Hair against hair, before the steps of a frame.
+    fn crowd(&mut self, frame: &Frame) {
+        let Some(volume) = &mut self.volume else { return };
+        // What is put somewhere else is crowded as it was.
+        if frame.n_steps() == 0 || frame.carry.is_some() {
+            return;
+        }
+        let step_secs = SimulatedLayer::step_secs(&self.settings);
+        let times = [step_secs, frame.n_steps() as f32 * step_secs];
+        volume.clear();
+        let params = |volume: &VolumeGrid, layer: &SimulatedLayer| {
+            let sizes = [layer.rest.n_vertices, layer.vec4s_a_vertex() as u32];
+            volume.params(frame.poses[0], &self.settings, sizes, times)
+        };
+        for (layer_idx, layer) in self.layers.iter().enumerate() {
+            volume.splat(&params(volume, layer), layer_idx, layer.state_vec4s());
+        }
+        volume.blur();
+        for (layer_idx, layer) in self.layers.iter_mut().enumerate() {
+            let params = params(volume, layer);
+            volume.push(&params, layer_idx, layer.state_vec4s_mut());
+        }
     }
 
     /// Where the head is at the end of the next [`CpuSolver::advance`] or [`CpuSolver::step_once`].
@@ -157,6 +193,7 @@ impl CpuSolver {
     }
 
     fn run(&mut self, frame: &Frame, frame_secs: f32) {
+        self.crowd(frame);
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
         let air_frame = AirFrame { settings, obstacles, pose, jumped, frame_secs };
@@ -173,4 +210,8 @@ impl CpuSolver {
             layer.run(&air, obstacles, frame);
         }
     }
+}
+
+fn volume_of(layers: &[SimulatedLayer], settings: &SimulationSettings) -> Option<VolumeGrid> {
+    VolumeGrid::new(&layers.iter().map(|layer| &layer.rest).collect::<Vec<_>>(), settings)
 }

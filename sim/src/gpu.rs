@@ -18,6 +18,7 @@ use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::rest::Rest;
 use crate::state::SolverState;
+use crate::volume::{GpuVolume, VolumeGrid, VolumeLayer};
 use crate::wind::GpuWind;
 use crate::wind::gpu::GpuHairLayer;
 
@@ -98,6 +99,7 @@ pub struct GpuSolver {
     field: Option<DistanceField>,
     field_values: wgpu::Buffer,
     capsules: Vec<Capsule>,
+    volume: Option<(VolumeGrid, GpuVolume)>,
     settings: SimulationSettings,
     clock: Clock,
     pose: Pose,
@@ -118,6 +120,7 @@ impl GpuSolver {
         let obstacles = Obstacles::new(field, &capsules, settings);
         let model = |guides: &&GuideSet| SimulatedLayer::new(guides, obstacles, settings, Pose::IDENTITY);
         let layers: Vec<Layer> = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
+        let volume = volume_of(gpu, library, &layers, settings)?;
         let values = field.map_or(&[][..], |field| &field.values);
         Ok(Self {
             kernel,
@@ -127,6 +130,7 @@ impl GpuSolver {
             field: field.cloned(),
             field_values: gpu.buffer_of("sim.field_values", values, wgpu::BufferUsages::STORAGE),
             capsules,
+            volume,
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose: Pose::IDENTITY,
@@ -157,6 +161,9 @@ impl GpuSolver {
                 self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
             }
         }
+        if VolumeGrid::is_other(&self.settings, settings) {
+            self.volume = volume_of(&self.gpu, &self.library, &self.layers, settings)?;
+        }
         self.settings = settings.clone();
         Ok(())
     }
@@ -167,6 +174,29 @@ impl GpuSolver {
         if layer.model.set_ties(ties, &self.settings, self.pose) {
             self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
         }
+    }
+
+    /// Hair against hair, before the steps of a frame.
+    fn crowd(&self, encoder: &mut wgpu::CommandEncoder, frame: &Frame) -> Result<(), ShaderError> {
+        let Some((grid, volume)) = &self.volume else { return Ok(()) };
+        // What is put somewhere else is crowded as it was.
+        if frame.n_steps() == 0 || frame.carry.is_some() {
+            return Ok(());
+        }
+        let step_secs = SimulatedLayer::step_secs(&self.settings);
+        let times = [step_secs, frame.n_steps() as f32 * step_secs];
+        let layers = self.layers.iter().map(|layer| VolumeLayer {
+            state: &layer.state,
+            n_vertices: layer.model.rest.vertices.len() as u32,
+            params: grid.params(
+                frame.poses[0],
+                &self.settings,
+                [layer.model.rest.n_vertices, layer.model.vec4s_a_vertex() as u32],
+                times,
+            ),
+        });
+        let layers: Vec<VolumeLayer<'_>> = layers.collect();
+        volume.record(&self.gpu, encoder, &layers)
     }
 
     /// Where the head is at the end of the next [`GpuSolver::advance`] or [`GpuSolver::step_once`].
@@ -289,6 +319,7 @@ impl GpuSolver {
         frame: &Frame,
         frame_secs: f32,
     ) -> Result<(), ShaderError> {
+        self.crowd(encoder, frame)?;
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
         let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], wgpu::BufferUsages::UNIFORM);
         let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
@@ -366,6 +397,16 @@ impl GpuSolver {
         // A law has its own parameters, and still air has none.
         self.kernel.bind_used(&self.gpu, &resources)
     }
+}
+
+fn volume_of(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    layers: &[Layer],
+    settings: &SimulationSettings,
+) -> Result<Option<(VolumeGrid, GpuVolume)>, ShaderError> {
+    let grid = VolumeGrid::new(&layers.iter().map(|layer| &layer.model.rest).collect::<Vec<_>>(), settings);
+    grid.map(|grid| GpuVolume::new(gpu, library, &grid).map(|volume| (grid, volume))).transpose()
 }
 
 fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings) -> Result<Kernel, ShaderError> {

@@ -178,6 +178,22 @@ impl SimulatedLayer {
         }
     }
 
+    pub(crate) fn state_vec4s_mut(&mut self) -> &mut [Vec4] {
+        match &mut self.law {
+            Law::Rods { state, .. } => bytemuck::cast_slice_mut(state),
+            Law::Chains { state, .. } => bytemuck::cast_slice_mut(state),
+        }
+    }
+
+    /// How many of the numbers of [`SimulatedLayer::state_vec4s`] are one vertex's: its place, where it was a step ago, and
+    /// what else its law keeps.
+    pub(crate) fn vec4s_a_vertex(&self) -> usize {
+        match &self.law {
+            Law::Rods { .. } => size_of::<RodVertex>() / size_of::<Vec4>(),
+            Law::Chains { .. } => size_of::<ChainVertex>() / size_of::<Vec4>(),
+        }
+    }
+
     /// Take over a state of [`SimulatedLayer::state_vec4s`]' length.
     pub(crate) fn set_state_vec4s(&mut self, numbers: &[Vec4]) {
         match &mut self.law {

@@ -2,8 +2,8 @@
 //!
 //! A strand moves by one of two laws: [`rod`], which `sim_rod.wgsl` follows function by function, and the references'
 //! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`clock`] cuts frames into steps of one length, [`contact`]
-//! keeps hair out of head and colliders, [`air`] is the wind and [`wind`] its grid, and [`measure`] says how well the laws are
-//! kept.
+//! keeps hair out of head and colliders, [`volume`] is what hair does to hair, [`air`] is the wind and [`wind`] its grid, and
+//! [`measure`] says how well the laws are kept.
 
 pub mod air;
 pub mod bench;
@@ -18,6 +18,7 @@ pub mod pose;
 pub mod rest;
 pub mod rod;
 pub mod state;
+pub mod volume;
 pub mod wind;
 
 pub use cpu::CpuSolver;

@@ -17,15 +17,18 @@ use crate::groom::Layer;
 use crate::hash::random;
 use crate::lod::LodBlend;
 use crate::sculpt::{Composite, compose::Composed, near::Share};
+use crate::simulation::Interpolated;
 use crate::strands::Strands;
 use crate::style::StyleKind;
 use plan::Plan;
 pub use sculpt::root_frame;
 use sculpt::{Chain, Sculpted};
+use single_guide::{Hit, first_hits};
 use style::{FOR_KEEP_OUT, RootFrame, Shape, clumped, displacement, smoothstep, turned};
 
 pub mod plan;
 mod sculpt;
+pub mod single_guide;
 mod style;
 #[cfg(test)]
 mod tests;
@@ -40,11 +43,19 @@ pub struct Pose<'a> {
     pub lod: f32,
     /// The levels that are blended; their share of the strands comes on top of `lod`.
     pub blend: LodBlend,
+    /// How strands that lie between moved guides are kept out of the head; `None` where guides are at rest.
+    pub interpolated: Option<Interpolated>,
 }
 
 impl Default for Pose<'_> {
     fn default() -> Self {
-        Self { world_from_head: Affine3A::IDENTITY, field: None, lod: 1.0, blend: LodBlend::default() }
+        Self {
+            world_from_head: Affine3A::IDENTITY,
+            field: None,
+            lod: 1.0,
+            blend: LodBlend::default(),
+            interpolated: None,
+        }
     }
 }
 
@@ -106,7 +117,8 @@ pub fn generate(binding: &LayerBinding, layer: &Layer, guide_positions: &[Vec3],
     // A layer that got other guides since it was bound is not sculpted before it is bound again.
     let is_bound = binding.sculpt.are_of(&layer.sculpt.roots, binding.n_strands());
     let sculpt = (is_bound && !composite.guides.is_empty()).then_some(composite.guides.as_slice());
-    let generator = Generator { binding, plan: &plan, sculpt, guide_positions, pose, n_vertices };
+    let hits = first_hits(binding, guide_positions, pose);
+    let generator = Generator { binding, plan: &plan, sculpt, guide_positions, pose, n_vertices, hits };
     let mut points = vec![Vec3::ZERO; n_drawn * n_vertices];
     points.par_chunks_exact_mut(n_vertices).enumerate().for_each(|(strand_idx, out)| generator.strand(strand_idx, out));
     let radii_um = (0..n_drawn)
@@ -176,6 +188,8 @@ struct Generator<'a> {
     guide_positions: &'a [Vec3],
     pose: &'a Pose<'a>,
     n_vertices: usize,
+    /// Every strand's; empty where strands only blend their guides.
+    hits: Vec<Hit>,
 }
 
 impl Generator<'_> {
@@ -194,7 +208,21 @@ impl Generator<'_> {
             let at = influence.guide_idx * self.binding.guides.n_vertices + i as u32;
             p += influence.weight * self.guide_positions[at as usize];
         }
-        p
+        let Some(hit) = self.hits.get(strand_idx) else { return p };
+        let share = hit.share(i as u32);
+        if share <= 0.0 {
+            return p;
+        }
+        // Where the strand rests beside its strongest guide, and that guide now.
+        let n = self.binding.guides.n_vertices;
+        let rest = |guide_idx: u32| self.binding.guides.positions[(guide_idx * n + i as u32) as usize];
+        let mut beside = -rest(hit.guide_idx);
+        for influence in self.binding.influences(strand_idx) {
+            beside += influence.weight * rest(influence.guide_idx);
+        }
+        let with_guide = self.guide_positions[(hit.guide_idx * n + i as u32) as usize]
+            + self.pose.world_from_head.transform_vector3(beside);
+        p + share * (with_guide - p)
     }
 
     /// Control point `i`, ironed where the style says so: a mean with falling weights over the neighbours. The ends
@@ -330,6 +358,9 @@ impl Generator<'_> {
     /// Push a vertex out of the head. Distances below the margin are squeezed between the skin and the
     /// margin, in their order: what lies deeper stays deeper, and nothing is flattened.
     fn keep_out(&self, p: Vec3, arc_length: f32, seed: u32) -> Vec3 {
+        if self.pose.interpolated == Some(Interpolated::Free) {
+            return p;
+        }
         let Some(field) = self.pose.field else { return p };
         let in_head = self.pose.world_from_head.inverse().transform_point3(p);
         let margin = KEEP_OUT * (0.5 + random(seed, FOR_KEEP_OUT)) * smoothstep(0.0, GROW_OUT, arc_length) + 1e-3;

@@ -42,6 +42,24 @@ choices! {
 }
 
 choices! {
+    /// Hair against hair.
+    Volume {
+        Off = "off", "Off", "Hair passes through hair: no grid, no cost";
+        Density = "density", "Density", "Hair that is more crowded than it rests is pushed apart: volume is kept";
+        DensityVelocity = "density-velocity", "Density and velocity", "Also goes along with the hair around it, as hair that rubs on hair does";
+    }
+}
+
+choices! {
+    /// How strands between the guides are kept out of the head while it moves.
+    Interpolated {
+        Pushed = "pushed", "Pushed out", "Each vertex that is in the head is put on it";
+        SingleGuide = "single-guide", "One guide", "A strand that enters the head goes with its strongest guide from there on, and is pushed out where that is not enough";
+        Free = "free", "Free", "As the guides have it, through the head or not: to see what the others do";
+    }
+}
+
+choices! {
     /// How thick hair is against the head and colliders.
     Pearl {
         Off = "off", "As a line", "Every vertex keeps the same distance";
@@ -93,6 +111,16 @@ pub struct SimulationSettings {
     /// Coulomb coefficient against the head.
     pub friction: f32,
     pub pearl: Pearl,
+    pub interpolated: Interpolated,
+    pub volume: Volume,
+    /// Cells along the longest side of the groom with room to swing.
+    pub volume_cells: u32,
+    /// How hard hair twice as crowded as at rest is driven apart, in multiples of gravity.
+    pub volume_push: f32,
+    /// How much more crowded than at rest is let be, as a share.
+    pub volume_tolerance: f32,
+    /// How quickly hair takes up the speed of the hair around it, 1/s.
+    pub volume_rub: f32,
     /// Radius of hair against the head and colliders at its tip, cm; see [`Pearl`].
     pub pearl_radius: f32,
     /// What hair also keeps out of. Files from before there were capsules call them spheres.
@@ -125,6 +153,12 @@ impl Default for SimulationSettings {
             collision_margin: 0.15,
             friction: 0.2,
             pearl: Pearl::Off,
+            interpolated: Interpolated::Pushed,
+            volume: Volume::Off,
+            volume_cells: 32,
+            volume_push: 2.0,
+            volume_tolerance: 0.1,
+            volume_rub: 4.0,
             pearl_radius: 0.6,
             colliders: Vec::new(),
         }
@@ -306,6 +340,45 @@ impl SimulationSettings {
             "Half of a lock's thickness; half the distance of two vertices, and nothing slips between them",
         )];
         wind.extend(self.air.params());
+        const COUNTED: &[&str] = &["density", "density-velocity"];
+        let volume = vec![
+            integer(
+                "volume.cells",
+                "Cells",
+                "",
+                (8, 96),
+                &mut self.volume_cells,
+                COUNTED,
+                "Along the longest side of the groom; finer cells keep finer locks apart",
+            ),
+            number(
+                "volume.push",
+                "Spreads",
+                "g",
+                (0.0, 20.0),
+                &mut self.volume_push,
+                COUNTED,
+                "How hard hair twice as crowded as at rest is driven apart, in multiples of gravity",
+            ),
+            number(
+                "volume.tolerance",
+                "Lets be",
+                "",
+                (0.01, 3.0),
+                &mut self.volume_tolerance,
+                COUNTED,
+                "How much more crowded than at rest hair may be: 0.25 is a quarter more",
+            ),
+            number(
+                "volume.rub",
+                "Goes along",
+                "1/s",
+                (0.0, 60.0),
+                &mut self.volume_rub,
+                &["density-velocity"],
+                "How quickly hair takes up the speed of the hair around it",
+            ),
+        ];
         vec![
             Slot {
                 key: "sim",
@@ -327,6 +400,20 @@ impl SimulationSettings {
                 help: "How thick hair is against the head and colliders",
                 choice: &mut self.pearl,
                 params: pearl,
+            },
+            Slot {
+                key: "volume",
+                label: "Hair on hair",
+                help: "What hair does to the hair around it",
+                choice: &mut self.volume,
+                params: volume,
+            },
+            Slot {
+                key: "interpolated",
+                label: "Strands in the head",
+                help: "How strands between the guides are kept out of the head while it moves",
+                choice: &mut self.interpolated,
+                params: Vec::new(),
             },
         ]
     }

@@ -4,5 +4,7 @@ mod contacts;
 mod grooms;
 mod laws;
 mod rods;
+mod strands;
 mod twins;
+mod volume;
 mod wind;

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::collider::{Attachment, Collider};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
-use lorelei_core::simulation::{Pearl, SimulationSettings};
+use lorelei_core::simulation::{Pearl, SimulationSettings, Volume};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
 
@@ -86,6 +86,30 @@ fn twins_agree_on_random_states() {
             println!("frame {frame}, layer {layer_idx}: {apart} cm");
             // Measured 1.4e-5 cm after 12 steps on the software driver; a wrong sign anywhere is 0.1 and more.
             assert!(apart < 5e-4, "frame {frame}, layer {layer_idx}: {apart} cm");
+        }
+    }
+}
+
+#[test]
+fn twins_agree_on_crowded_hair() {
+    for volume in [Volume::Density, Volume::DensityVelocity] {
+        let settings =
+            SimulationSettings { volume, volume_push: 10.0, volume_tolerance: 0.02, ..SimulationSettings::default() };
+        let (curly, short) = (draped(70, 23, 18.0, 0.4), draped(33, 8, 5.0, 0.0));
+        let mut twins = Twins::new(&[&curly, &GuideSet::default(), &short], &settings);
+        for (layer_idx, guides) in [(0, &curly), (2, &short)] {
+            // Drawn together, a little.
+            let x: Vec<Vec3> = guides.positions.iter().map(|&p| p * Vec3::new(0.9, 1.0, 0.9)).collect();
+            let prev: Vec<Vec3> = x.iter().map(|&p| p - 0.002 * Vec3::new(p.z, p.x, p.y)).collect();
+            twins.cpu_solver.set_state(layer_idx, &x, &prev);
+            twins.gpu_solver.set_state(layer_idx, &x, &prev);
+        }
+        for frame in 1..=3 {
+            let pose = HeadPose { yaw: 0.05 * frame as f32, pitch: 0.02, ..HeadPose::default() };
+            twins.advance(1.0 / 60.0, &pose.world_from_head(Vec3::NEG_Y * 8.0));
+            let apart = twins.farthest_apart(0).max(twins.farthest_apart(2));
+            println!("{volume:?}, frame {frame}: {apart} cm");
+            assert!(apart < 2e-3, "{volume:?}, frame {frame}: {apart} cm");
         }
     }
 }

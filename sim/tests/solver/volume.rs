@@ -1,0 +1,117 @@
+//! Hair against hair keeps the room that hair takes, and leaves a groom at rest alone.
+
+use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::guides::GuideSet;
+use lorelei_core::motion::Motion;
+use lorelei_core::simulation::{SimulationSettings, Volume};
+use lorelei_sim::CpuSolver;
+
+use crate::grooms::{ball_field, draped};
+
+const PIVOT: Vec3 = Vec3::new(0.0, -8.0, -1.0);
+
+fn settings(volume: Volume) -> SimulationSettings {
+    SimulationSettings { volume, hold: 1.0, bend_length: 0.6, ..SimulationSettings::default() }
+}
+
+/// Room that hair takes: cells of two centimetres that hold a vertex, in cm3.
+fn room(solver: &CpuSolver) -> usize {
+    let cell = |x: &Vec4| (0.5 * x.xyz()).floor().as_ivec3();
+    8 * solver.positions(0).iter().map(cell).collect::<std::collections::HashSet<_>>().len()
+}
+
+#[test]
+fn curly_hair_that_is_pressed_together_keeps_its_volume() {
+    let field = ball_field();
+    let guides = draped(150, 24, 22.0, 0.5);
+    let settled = |volume: Volume| {
+        // A storm from above.
+        let settings =
+            SimulationSettings { wind_speed: 1500.0, wind_elevation_deg: -90.0, volume_push: 10.0, ..settings(volume) };
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
+        for _ in 0..180 {
+            solver.advance(1.0 / 60.0);
+        }
+        (room(&solver), solver.measure())
+    };
+    let ((without, _), (with, measured)) = (settled(Volume::Off), settled(Volume::Density));
+    let rest = room(&CpuSolver::new(&[&guides], Some(&field), &settings(Volume::Off)));
+    println!("at rest {rest} cm3, pressed {without} cm3, with density {with} cm3; {measured:?}");
+    assert!(measured.length_error_max < 0.01 && measured.penetration_max_cm < 0.1, "{measured:?}");
+    assert!(without < rest, "nothing presses: the test shows nothing");
+    // At least a third of what is lost is kept.
+    assert!(3 * (with - without) >= rest - without, "at rest {rest}, {without} without, {with} with");
+}
+
+#[test]
+fn a_groom_at_rest_stays_at_rest_whatever_hair_does_to_hair() {
+    let field = ball_field();
+    for volume in [Volume::Density, Volume::DensityVelocity] {
+        let guides = draped(60, 24, 22.0, 0.5);
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings(volume));
+        for _ in 0..60 {
+            solver.advance(1.0 / 60.0);
+        }
+        let from_rest = solver.positions(0).iter().zip(&guides.positions).map(|(x, rest)| x.xyz().distance(*rest));
+        let (farthest, measured) = (from_rest.fold(0.0, f32::max), solver.measure());
+        println!("{volume:?}: {farthest} cm from rest, {measured:?}");
+        assert!(farthest < 1e-3 && measured.speed_max < 1e-3, "{volume:?}: {farthest} cm, {measured:?}");
+    }
+}
+
+#[test]
+fn hair_that_was_shaken_comes_to_rest_where_it_was() {
+    let field = ball_field();
+    let guides = draped(60, 24, 22.0, 0.3);
+    for volume in [Volume::Density, Volume::DensityVelocity] {
+        let mut solver =
+            CpuSolver::new(&[&guides], Some(&field), &SimulationSettings { volume, ..SimulationSettings::default() });
+        for frame in 0..600 {
+            let t = frame as f32 / 60.0;
+            solver.set_head_pose(&if t < 2.0 { Motion::Shake.pose(t, PIVOT) } else { Affine3A::IDENTITY });
+            solver.advance(1.0 / 60.0);
+        }
+        let last = solver.measure();
+        println!("{volume:?}: {last:?}");
+        assert!(last.speed_max < 1.0 && last.from_rest_rms_cm < 0.3, "{volume:?}: {last:?}");
+    }
+}
+
+#[test]
+fn hair_that_rubs_on_hair_moves_alike() {
+    let n = 16_u32;
+    // Two curtains through each other, one at rest, one that flies.
+    let at = |g: u32, k: u32| Vec3::new(0.3 * (g % 2) as f32, -15.0 * k as f32 / (n - 1) as f32, 0.4 * (g / 2) as f32);
+    let positions: Vec<Vec3> = (0..40).flat_map(|g| (0..n).map(move |k| at(g, k))).collect();
+    let guides = GuideSet { n_vertices: n, positions: positions.clone() };
+    let apart = |volume: Volume| {
+        let settings = SimulationSettings { volume, volume_rub: 30.0, ..SimulationSettings::default() };
+        let mut solver = CpuSolver::new(&[&guides], None, &settings);
+        let flies = |i: usize| if (i / n as usize).is_multiple_of(2) { 1.0 } else { 0.0 };
+        let prev: Vec<Vec3> = positions.iter().enumerate().map(|(i, &p)| p - 0.5 * flies(i) * Vec3::X).collect();
+        solver.set_state(0, &positions, &prev);
+        for _ in 0..6 {
+            solver.advance(1.0 / 60.0);
+        }
+        let tip = |g: usize| solver.positions(0)[(g + 1) * n as usize - 1].x;
+        (0..20).map(|pair| (tip(2 * pair) - tip(2 * pair + 1)).abs()).sum::<f32>() / 20.0
+    };
+    let (free, along) = (apart(Volume::Off), apart(Volume::DensityVelocity));
+    println!("tips are {free} cm apart, {along} cm where they rub");
+    assert!(along < 0.7 * free, "{free} {along}");
+}
+
+#[test]
+fn the_same_frames_follow_from_the_same_state() {
+    let field = ball_field();
+    let guides = draped(60, 24, 22.0, 0.5);
+    let frames = || {
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings(Volume::DensityVelocity));
+        for frame in 0..90 {
+            solver.set_head_pose(&Motion::Shake.pose(frame as f32 / 60.0, PIVOT));
+            solver.advance(1.0 / 60.0);
+        }
+        solver.positions(0).to_vec()
+    };
+    assert_eq!(frames(), frames());
+}
