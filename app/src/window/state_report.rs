@@ -6,6 +6,7 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use lorelei_core::collider::Collider;
 use lorelei_core::look::Choice;
 use serde_json::json;
 
@@ -165,6 +166,8 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
         "viewport": rect,
         "head_handle": studio.head_handle(),
     });
+    let place = |collider: &Collider| collider.ends[0].extend(collider.radii[0]).to_array();
+    state["colliders"] = groom.simulation.colliders.iter().map(place).collect::<Vec<_>>().into();
     // One more entry is more than the macro expands.
     state["room"] = super::room::report(desk);
     state["timeline"] = super::timeline::report(desk);

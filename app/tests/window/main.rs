@@ -5,6 +5,7 @@
 //! Skipped where Xvfb, xdotool or ImageMagick's import are absent. Screenshots stay in the folder that the
 //! test prints.
 
+mod colliders;
 mod controls;
 mod modelling;
 mod painting;

@@ -86,7 +86,7 @@ fn strands_between_moved_guides_keep_out_of_the_head() {
         }
         println!("{motion:?}: free, pushed, one guide: deepest and mean {worst:?}, settled {settled:?}");
         assert!(worst[0].0 > 0.3, "the free strands keep out by themselves: the test shows nothing");
-        assert!(worst[1].0 < 0.1 && worst[2].0 < 0.4, "{motion:?}: {worst:?}");
+        assert!(worst[1].0 < 0.4 && worst[2].0 < 0.4, "{motion:?}: {worst:?}");
         assert!(settled[1].0 < 0.1 && settled[2].0 < 0.1, "{motion:?}: {settled:?}");
     }
 }

@@ -48,7 +48,8 @@ fn a_groom_at_rest_stays_at_rest_whatever_hair_does_to_hair() {
     let field = ball_field();
     for volume in [Volume::Density, Volume::DensityVelocity] {
         let guides = draped(60, 24, 22.0, 0.5);
-        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings(volume));
+        let mut solver =
+            CpuSolver::new(&[&guides], Some(&field), &SimulationSettings { volume, ..SimulationSettings::default() });
         for _ in 0..60 {
             solver.advance(1.0 / 60.0);
         }
