@@ -1,11 +1,13 @@
 //! `lorelei simulate`: hair that moves, without a window: how well it keeps its laws, what a step costs, pictures.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use image::RgbaImage;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::Groom;
+use lorelei_core::io::gltf_motion::{read_motions, track_of};
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{Motion, Movement};
@@ -42,6 +44,12 @@ pub struct SimulateArguments {
     /// What happens: none, turn, nod, shake, walk, jump, gust. Without it: what the groom's timeline says.
     #[arg(long, value_name = "NAME", value_parser = parse_motion)]
     motion: Option<Motion>,
+    /// Let a node of a .glb or .gltf move head and body besides.
+    #[arg(long, value_name = "FILE")]
+    animation: Option<PathBuf>,
+    /// The node of --animation. Without it: the one that is called a head, or the first that moves.
+    #[arg(long, value_name = "NAME", requires = "animation")]
+    node: Option<String>,
     /// How long it moves. Without it: the groom's range.
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     seconds: Option<f32>,
@@ -81,8 +89,15 @@ enum Device {
 
 impl SimulateArguments {
     /// What is not asked for is as the groom says.
-    fn set_movement(&self, groom: &mut Groom) {
+    fn set_movement(&self, groom: &mut Groom) -> Result<(), CliError> {
         let movement = &mut groom.movement;
+        if let Some(path) = &self.animation {
+            let tracks = read_motions(path, Watch::default()).map_err(CliError::failed)?;
+            let track = track_of(&tracks, self.node.as_deref());
+            let track = track.map_err(|why| CliError::Usage(format!("--node in {}: {why}", path.display())))?;
+            movement.end = movement.start + (track.secs() * self.fps.unwrap_or(movement.fps)).ceil() as u32;
+            movement.track = Some(Arc::new(track));
+        }
         movement.motion = self.motion.unwrap_or(movement.motion);
         movement.fps = self.fps.unwrap_or(movement.fps);
         movement.warm_up_secs = self.warm_up.unwrap_or(movement.warm_up_secs);
@@ -90,6 +105,7 @@ impl SimulateArguments {
             movement.end = movement.start + (seconds * movement.fps).round().max(1.0) as u32;
         }
         *movement = movement.bounded();
+        Ok(())
     }
 }
 
@@ -130,7 +146,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         check_png(path)?;
     }
     let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size)?;
-    arguments.set_movement(&mut groom);
+    arguments.set_movement(&mut groom)?;
     if !arguments.json {
         for warning in &warnings {
             eprintln!("warning: {warning}");

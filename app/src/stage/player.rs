@@ -228,8 +228,10 @@ impl Player {
                 let to = self.at + n as u32;
                 let to = match at_end {
                     AtEnd::Stop => to.min(end.max(self.at)),
-                    AtEnd::Loop if to > end => start,
-                    AtEnd::GoOn | AtEnd::Loop => to,
+                    AtEnd::Loop if self.at >= end => start,
+                    // However few pictures a slow device shows of a round, the last frame is among them.
+                    AtEnd::Loop => to.min(end),
+                    AtEnd::GoOn => to,
                 };
                 self.has_ended = at_end == AtEnd::Stop && to >= end;
                 if to != self.at {

@@ -1,6 +1,7 @@
 //! What every panel works on: the document, what is selected, where the camera is, what the stage reported.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use glam::Vec3;
 use lorelei_core::camera::Camera;
@@ -8,7 +9,7 @@ use lorelei_core::edit::Edit;
 use lorelei_core::groom::Layer;
 use lorelei_core::history::Merge;
 use lorelei_core::look::Choice;
-use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::motion::{Motion, Movement, PoseTrack};
 use lorelei_core::record::Macro;
 
 use super::commands::Command;
@@ -131,6 +132,16 @@ impl Desk {
             let movement = Movement { motion, ..self.document.groom.movement.clone() };
             self.set_movement(&format!("Movement: {}", motion.info().label), movement, Merge::New);
         }
+    }
+
+    /// Let keyed poses move the body; the range reaches to their end.
+    pub fn set_track(&mut self, track: PoseTrack) {
+        let before = self.document.groom.movement.bounded();
+        let end = before.end.max(before.start + (track.secs() * before.fps).ceil() as u32);
+        let label = format!("Animation: {}", track.name);
+        let movement = Movement { track: Some(Arc::new(track)), end, ..before };
+        self.set_movement(&label, movement, Merge::New);
+        self.playback.is_playing = true;
     }
 
     /// Another timeline, as one step.

@@ -93,6 +93,7 @@ impl Studio {
                         recovery.left.clear();
                     }
                 }
+                Done::Animation { tracks } => self.take_animation(tracks),
                 Done::Ranged { ranged, path } => self.take_frames(ranged, path.as_deref()),
                 Done::MacroSaved { path } => {
                     self.desk.notices.push(Severity::Info, "Macro saved", path.display().to_string());

@@ -34,6 +34,7 @@ impl Studio {
             | Command::SimulateRange
             | Command::SimulateToFile
             | Command::OpenFrames
+            | Command::LoadAnimation
             | Command::SetRest
             | Command::BakeGuides => !document.is_none(),
             Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
@@ -110,6 +111,7 @@ impl Studio {
             Command::SimulateRange => self.simulate_range(ctx, None),
             Command::SimulateToFile => self.choose(ctx, Purpose::SaveFrames),
             Command::OpenFrames => self.choose(ctx, Purpose::OpenFrames),
+            Command::LoadAnimation => self.choose(ctx, Purpose::LoadAnimation),
             Command::SetRest => self.take_over(TakeOver::Rest),
             Command::BakeGuides => self.take_over(TakeOver::Bake),
             Command::MotionNone => self.motion(Motion::None),

@@ -9,6 +9,8 @@ use lorelei_core::groom::{Groom, Source};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::history::Merge;
 use lorelei_core::io::Watch;
+use lorelei_core::io::gltf_motion::{read_motions, track_of};
+use lorelei_core::motion::PoseTrack;
 use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
 
@@ -37,6 +39,8 @@ pub struct Takes {
     /// Times that the stage was asked where the hair is.
     pub n_shots: u64,
     wanted: Option<TakeOver>,
+    /// Every moving node of the file that was loaded last.
+    pub tracks: Vec<PoseTrack>,
 }
 
 impl Studio {
@@ -55,6 +59,23 @@ impl Studio {
             Ok(ranged) => Done::Ranged { ranged, path: Some(path) },
             Err(why) => Done::Failed { title: "The frames were not opened".to_owned(), why: why.to_string() },
         });
+    }
+
+    /// Read what moves in a file.
+    pub(super) fn load_animation(&mut self, ctx: &egui::Context, path: PathBuf) {
+        self.jobs.start(ctx, "Reading an animation", move |watch| match read_motions(&path, watch) {
+            Ok(tracks) => Done::Animation { tracks },
+            Err(why) => Done::Failed { title: "The animation was not loaded".to_owned(), why: why.to_string() },
+        });
+    }
+
+    /// A file's animation has come: its head moves this one.
+    pub(super) fn take_animation(&mut self, tracks: Vec<PoseTrack>) {
+        match track_of(&tracks, None) {
+            Ok(track) => self.desk.set_track(track),
+            Err(why) => self.desk.notices.error("The animation was not loaded", why),
+        }
+        self.desk.takes.tracks = tracks;
     }
 
     pub(super) fn frames_budget(&self) -> usize {

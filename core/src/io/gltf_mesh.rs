@@ -22,10 +22,31 @@ const MAX_DEPTH: usize = 128;
 pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
     source.rewind()?;
     let bytes = source.rest()?;
+    let (document, buffers) = parse(source, &bytes)?;
+    let mut raw = RawMesh::default();
+    let is_visited = vec![false; document.nodes().len()];
+    let mut reader = SceneReader { source, buffers: &buffers, raw: &mut raw, has_uvs: true, is_visited };
+    let scene = document.default_scene().or_else(|| document.scenes().next());
+    match scene {
+        Some(scene) => scene.nodes().try_for_each(|node| reader.node(&node, Mat4::IDENTITY, 0))?,
+        // A library of meshes without a scene.
+        None => document.meshes().try_for_each(|mesh| reader.mesh(&mesh, mesh.name(), Mat4::IDENTITY))?,
+    }
+    if !reader.has_uvs {
+        raw.mesh.uvs = Vec::new();
+    }
+    if document.skins().len() > 0 {
+        raw.warnings.push("the skeleton was left out: the mesh is in its rest pose".to_owned());
+    }
+    raw.finish(source, Format::Gltf)
+}
+
+/// The description of a file, and the bytes that it refers to.
+pub(super) fn parse<'b>(source: &mut Source<'_>, bytes: &'b [u8]) -> Result<(gltf::Document, Buffers<'b>), ReadError> {
     let bad = |source: &Source<'_>, problem: String| {
         source.corrupt(Place::Part("its glTF description".to_owned()), problem, "Export it again as GLB")
     };
-    let (json, blob) = if bytes.starts_with(b"glTF") { split_glb(source, &bytes)? } else { (&bytes[..], None) };
+    let (json, blob) = if bytes.starts_with(b"glTF") { split_glb(source, bytes)? } else { (bytes, None) };
     let mut root: gltf::json::Root =
         gltf::json::deserialize::from_slice(json).map_err(|error| bad(source, format!("is not glTF: {error};")))?;
     // Only the shape is read: what materials, lights and animations require does not matter.
@@ -46,22 +67,7 @@ pub(crate) fn read(source: &mut Source<'_>) -> Result<MeshImport, ReadError> {
     let document =
         gltf::Document::from_json(root).map_err(|error| bad(source, format!("is not valid glTF: {error};")))?;
     let buffers = Buffers::load(source, &document, blob)?;
-    let mut raw = RawMesh::default();
-    let is_visited = vec![false; document.nodes().len()];
-    let mut reader = SceneReader { source, buffers: &buffers, raw: &mut raw, has_uvs: true, is_visited };
-    let scene = document.default_scene().or_else(|| document.scenes().next());
-    match scene {
-        Some(scene) => scene.nodes().try_for_each(|node| reader.node(&node, Mat4::IDENTITY, 0))?,
-        // A library of meshes without a scene.
-        None => document.meshes().try_for_each(|mesh| reader.mesh(&mesh, mesh.name(), Mat4::IDENTITY))?,
-    }
-    if !reader.has_uvs {
-        raw.mesh.uvs = Vec::new();
-    }
-    if document.skins().len() > 0 {
-        raw.warnings.push("the skeleton was left out: the mesh is in its rest pose".to_owned());
-    }
-    raw.finish(source, Format::Gltf)
+    Ok((document, buffers))
 }
 
 /// The JSON and the binary chunk of a GLB. The gltf crate's own function trusts the lengths.
@@ -107,7 +113,7 @@ pub(super) fn split_glb<'b>(source: &Source<'_>, bytes: &'b [u8]) -> Result<(&'b
 }
 
 /// The bytes of every buffer.
-struct Buffers<'b>(Vec<Cow<'b, [u8]>>);
+pub(super) struct Buffers<'b>(Vec<Cow<'b, [u8]>>);
 
 impl<'b> Buffers<'b> {
     fn load(source: &mut Source<'_>, document: &gltf::Document, mut blob: Option<&'b [u8]>) -> Result<Self, ReadError> {
@@ -140,7 +146,13 @@ impl<'b> Buffers<'b> {
     }
 
     /// The bytes of element `idx` of an accessor; `None` where they are not all there.
-    fn element(&self, view: &gltf::buffer::View<'_>, offset: usize, size: usize, idx: usize) -> Option<&[u8]> {
+    pub(super) fn element(
+        &self,
+        view: &gltf::buffer::View<'_>,
+        offset: usize,
+        size: usize,
+        idx: usize,
+    ) -> Option<&[u8]> {
         // A smaller stride would let few bytes pose as many elements.
         let stride = view.stride().unwrap_or(size);
         if stride < size {

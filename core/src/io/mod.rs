@@ -11,6 +11,7 @@ mod detect;
 mod error;
 mod glb;
 mod gltf_mesh;
+pub mod gltf_motion;
 mod groom;
 mod guess;
 mod hair;

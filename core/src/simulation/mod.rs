@@ -4,6 +4,7 @@
 //! rates and iteration counts. Shares "0-1 of something, per iteration" were rejected for that reason.
 
 mod preset;
+mod quality;
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -14,6 +15,7 @@ use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices, integer,
 use crate::wind::{AirSettings, WindSource};
 
 pub use preset::HairKind;
+pub use quality::Quality;
 
 choices! {
     /// The law by which a strand moves.

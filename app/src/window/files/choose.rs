@@ -34,6 +34,7 @@ pub enum Purpose {
     SaveTurntable,
     SaveFrames,
     OpenFrames,
+    LoadAnimation,
 }
 
 /// What a person answered.
@@ -67,6 +68,7 @@ impl Purpose {
             Self::SaveTurntable => "Save the turntable",
             Self::SaveFrames => "Simulate to a file",
             Self::OpenFrames => "Open frames",
+            Self::LoadAnimation => "Load an animation",
         }
     }
 
@@ -87,6 +89,7 @@ impl Purpose {
             Self::LoadMap | Self::SaveMap => MAP_EXTENSIONS.to_vec(),
             Self::LoadEnvironment => PANORAMA_EXTENSIONS.to_vec(),
             Self::SaveFrames | Self::OpenFrames => vec![EXTENSION],
+            Self::LoadAnimation => vec!["glb", "gltf"],
         };
         all.into_iter().map(str::to_owned).collect()
     }

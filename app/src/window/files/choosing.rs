@@ -96,6 +96,7 @@ impl Studio {
             }
             Purpose::SaveFrames => self.simulate_range(ctx, Some(path)),
             Purpose::OpenFrames => self.open_frames(ctx, path),
+            Purpose::LoadAnimation => self.load_animation(ctx, path),
             Purpose::SavePicture => {
                 self.picture_path = Some(path);
                 self.n_pictures += 1;

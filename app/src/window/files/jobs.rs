@@ -12,6 +12,7 @@ use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::io::{self, Contents, ImportOptions, Watch, WriteOptions};
 use lorelei_core::maps::picture::{self, PictureError, PictureKind};
 use lorelei_core::maps::{MapKind, ScalpMap};
+use lorelei_core::motion::PoseTrack;
 use lorelei_core::panorama::Panorama;
 use lorelei_core::panorama::read::read_panorama;
 use lorelei_core::script::{self, Step};
@@ -83,6 +84,10 @@ pub enum Done {
         /// Files that are not needed once the document is kept anew.
         replaces: Vec<PathBuf>,
     },
+    /// What moves in a file.
+    Animation {
+        tracks: Vec<PoseTrack>,
+    },
     /// Frames of a movement; what was cancelled is as far as it came.
     Ranged {
         ranged: Ranged,
@@ -121,6 +126,7 @@ impl Done {
             | Self::EnvironmentLoaded { .. }
             | Self::MapLoaded { .. }
             | Self::Played { .. }
+            | Self::Animation { .. }
             | Self::Recovered { .. } => true,
             Self::Saved { .. }
             | Self::PictureSaved { .. }

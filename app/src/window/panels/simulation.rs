@@ -3,11 +3,13 @@
 
 use egui::{RichText, Ui};
 use lorelei_core::edit::Edit;
+use lorelei_core::history::Merge;
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{AtEnd, HeadPose, Motion, Movement};
-use lorelei_core::simulation::{HairKind, SimulationSettings};
+use lorelei_core::simulation::{HairKind, Quality, SimulationSettings};
 
 use super::widgets::{self, form_row, mebibytes};
+use crate::window::commands::Command;
 use crate::window::desk::{Desk, merge_of};
 use crate::window::state_report::mark;
 use crate::window::theme;
@@ -32,10 +34,23 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         }
     });
     range(ui, desk);
+    animation(ui, desk);
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
     let mut change = kinds(ui, &mut settings);
+    ui.horizontal_wrapped(|ui| {
+        for quality in Quality::ALL {
+            let info = quality.info();
+            let is_chosen = Quality::of(&settings) == Some(*quality);
+            let response = ui.selectable_label(is_chosen, info.label).on_hover_text(info.help);
+            mark(ui.ctx(), || format!("quality {}", info.name), response.rect);
+            if response.clicked() && !is_chosen {
+                quality.put(&mut settings);
+                change = Some(widgets::Change::once(format!("Quality: {}", info.label.to_lowercase())));
+            }
+        }
+    });
     for (mut slot, mut default) in settings.slots().into_iter().zip(default.slots()) {
         change = change.or(widgets::slot(ui, &mut slot, &mut default, &widgets::Notes::default()));
     }
@@ -58,6 +73,41 @@ fn kinds(ui: &mut Ui, settings: &mut SimulationSettings) -> Option<widgets::Chan
         }
     });
     change
+}
+
+/// Keyed poses that came from a file, and which of its nodes moves the head.
+fn animation(ui: &mut Ui, desk: &mut Desk) {
+    widgets::section(ui, "Animation of a file");
+    ui.horizontal_wrapped(|ui| {
+        let load =
+            ui.button("Load\u{2026}").on_hover_text("A node's movement from a .glb or .gltf moves head and body");
+        mark(ui.ctx(), || "load animation".to_owned(), load.rect);
+        if load.clicked() {
+            desk.asked.push(Command::LoadAnimation);
+        }
+        let Some(track) = desk.document.groom.movement.track.clone() else { return };
+        let remove = ui.button("Remove").on_hover_text("The head stays where the preset movement has it");
+        if remove.clicked() {
+            let movement = Movement { track: None, ..desk.document.groom.movement.clone() };
+            desk.set_movement("Remove the animation", movement, Merge::New);
+        }
+        ui.label(format!("{}: {} keys, {:.2} s", track.name, track.keys.len(), track.secs()));
+    });
+    let mut chosen = None;
+    if desk.takes.tracks.len() > 1 {
+        let now = desk.document.groom.movement.track.as_ref().map_or("", |track| track.name.as_str());
+        let combo = egui::ComboBox::from_id_salt("node").selected_text(now).show_ui(ui, |ui| {
+            for track in &desk.takes.tracks {
+                if ui.selectable_label(track.name == now, &track.name).clicked() {
+                    chosen = Some(track.clone());
+                }
+            }
+        });
+        combo.response.on_hover_text("The node of the file whose movement it is");
+    }
+    if let Some(track) = chosen {
+        desk.set_track(track);
+    }
 }
 
 /// Range, frames a second, what happens at the end, and what kept frames may take.
