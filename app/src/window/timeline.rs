@@ -1,7 +1,7 @@
 //! The timeline below the viewport: play, step, and a ruler to scrub on. What is kept is drawn on it, so that a
 //! person sees where going back costs nothing.
 
-use egui::{Align2, Color32, CornerRadius, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, CornerRadius, Painter, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 use lorelei_core::motion::Movement;
 
 use super::commands::Command;
@@ -47,21 +47,70 @@ fn words(desk: &Desk, movement: &Movement) -> String {
     if timeline.is_by_hand { format!("{at}   by hand") } else { at }
 }
 
+/// What a button of the transport shows; the font has no such signs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    Start,
+    Back,
+    Play,
+    Pause,
+    Forward,
+    End,
+}
+
+impl Sign {
+    fn paint(self, painter: &Painter, rect: Rect, colour: Color32) {
+        let c = rect.center();
+        let arrow = |x: f32, to_right: bool| {
+            let tip = if to_right { 4.0 } else { -4.0 };
+            let points = vec![c + vec2(x + tip, 0.0), c + vec2(x - tip, -5.0), c + vec2(x - tip, 5.0)];
+            painter.add(egui::Shape::convex_polygon(points, colour, Stroke::NONE));
+        };
+        let bar = |x: f32| {
+            painter.rect_filled(Rect::from_center_size(c + vec2(x, 0.0), vec2(2.0, 10.0)), CornerRadius::ZERO, colour);
+        };
+        match self {
+            Self::Start => {
+                bar(-6.0);
+                arrow(-1.0, false);
+                arrow(5.0, false);
+            }
+            Self::Back => {
+                arrow(-2.0, false);
+                bar(5.0);
+            }
+            Self::Play => arrow(0.0, true),
+            Self::Pause => {
+                bar(-3.0);
+                bar(3.0);
+            }
+            Self::Forward => {
+                bar(-5.0);
+                arrow(2.0, true);
+            }
+            Self::End => {
+                arrow(-5.0, true);
+                arrow(1.0, true);
+                bar(6.0);
+            }
+        }
+    }
+}
+
 fn transport(ui: &mut Ui, desk: &mut Desk) {
     let is_playing = desk.playback.is_playing;
-    let play = if is_playing { "\u{23f8}" } else { "\u{25b6}" };
-    for (text, command, is_on) in [
-        ("\u{23ee}", Command::ToStart, false),
-        ("\u{25c0}\u{2009}|", Command::StepBack, false),
-        (play, Command::Play, is_playing),
-        ("|\u{2009}\u{25b6}", Command::Step, false),
-        ("\u{23ed}", Command::ToEnd, false),
+    for (sign, command, is_on) in [
+        (Sign::Start, Command::ToStart, false),
+        (Sign::Back, Command::StepBack, false),
+        (if is_playing { Sign::Pause } else { Sign::Play }, Command::Play, is_playing),
+        (Sign::Forward, Command::Step, false),
+        (Sign::End, Command::ToEnd, false),
     ] {
         let fill = if is_on { theme::ACCENT_DIM } else { theme::CONTROL };
-        let button = egui::Button::new(RichText::new(text).color(theme::TEXT_STRONG)).fill(fill);
         let row = command.row();
         let shortcut = row.shortcuts.first().map(|s| ui.ctx().format_shortcut(s)).unwrap_or_default();
-        let response = ui.add(button.min_size(vec2(28.0, 22.0)));
+        let response = ui.add(egui::Button::new("").fill(fill).min_size(vec2(28.0, 22.0)));
+        sign.paint(ui.painter(), response.rect, theme::TEXT_STRONG);
         mark(ui.ctx(), || format!("transport {}", row.label), response.rect);
         if response.on_hover_text(format!("{}. {} ({shortcut})", row.label, row.help)).clicked() {
             desk.asked.push(command);
@@ -97,7 +146,9 @@ fn ruler(ui: &mut Ui, desk: &mut Desk, movement: &Movement, width: f32) {
     while label <= movement.end {
         let x = x_of(label as f32);
         painter.line_segment([pos2(x, rect.top()), pos2(x, rect.top() + 5.0)], Stroke::new(1.0, theme::TEXT_WEAK));
-        painter.text(pos2(x + 3.0, rect.top() + 1.0), Align2::LEFT_TOP, label, font.clone(), theme::TEXT_WEAK);
+        // The last one would reach out of the ruler.
+        let (by, align) = if x > rect.right() - 26.0 { (-3.0, Align2::RIGHT_TOP) } else { (3.0, Align2::LEFT_TOP) };
+        painter.text(pos2(x + by, rect.top() + 1.0), align, label, font.clone(), theme::TEXT_WEAK);
         label += step;
     }
     let at = x_of(timeline.at as f32);
