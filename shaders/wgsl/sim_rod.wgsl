@@ -88,13 +88,12 @@ fn carry_strand(carry: Pose) {
     }
 }
 
-// Everything goes rigidly with the head.
-fn carry_along(before: Pose, after: Pose) {
-    let carry = after_inverse_of(after, before);
-    for (var k = 0u; k < asked.n_vertices; k++) {
-        s[base + k].frame = normalize(multiply(carry.rotation, s[base + k].frame));
+// Frame of an edge that goes rigidly with the head: what it has of its own is found against that.
+fn carried_frame(k: u32, carry: Pose, after: Pose) -> vec4<f32> {
+    if k == 0u {
+        return normalize(multiply(after.rotation, rest[base].frame));
     }
-    s[base].frame = normalize(multiply(after.rotation, rest[base].frame));
+    return normalize(multiply(carry.rotation, s[base + k].frame));
 }
 
 // `e x` each column.
@@ -120,11 +119,10 @@ fn inverse_symmetric(m: mat3x3<f32>) -> mat3x3<f32> {
 }
 
 // Moment that a joint's deviation from its rest makes on the edge above it, world.
-fn moment_of_joint(k: u32, stiff: f32) -> vec3<f32> {
-    let i = base + k;
-    let deviation = multiply(conjugate(rest[i].joint), multiply(conjugate(s[i - 1u].frame), s[i].frame));
+fn moment_of_joint(below: vec4<f32>, above: vec4<f32>, joint: vec4<f32>, stiff: f32) -> vec3<f32> {
+    let deviation = multiply(conjugate(joint), multiply(conjugate(below), above));
     let shortest = select(1.0, -1.0, deviation.w < 0.0);
-    return rotate(s[i].frame, 2.0 * stiff * shortest * deviation.xyz);
+    return rotate(above, 2.0 * stiff * shortest * deviation.xyz);
 }
 
 // Eliminate every edge from tip to root.
@@ -137,10 +135,12 @@ fn sweep_to_root(before: Pose, after: Pose) {
     var px = vec3<f32>(0.0);
     var pw = vec3<f32>(0.0);
     var load = vec3<f32>(0.0);
+    var above = carried_frame(asked.n_vertices - 2u, carry, after);
     for (var k = asked.n_vertices - 2u; k >= 1u; k--) {
         let j = base + k + 1u;
         let edge_length = rest[base + k].support.w;
-        let t = rotate(s[base + k].frame, EDGE);
+        let below = carried_frame(k - 1u, carry, after);
+        let t = rotate(above, EDGE);
         let e = edge_length * t;
         // Compute what drives vertex j, relative to going rigidly with the head.
         let x = s[j].x.xyz;
@@ -171,7 +171,7 @@ fn sweep_to_root(before: Pose, after: Pose) {
         let pw_below = pw + cross(e, px);
         // Eliminate omega_k.
         let stiff = rod.bend / rest[base + k].numbers.w;
-        let g = h * h * moment_of_joint(k, stiff);
+        let g = h * h * moment_of_joint(below, above, rest[base + k].joint, stiff);
         let beta = stiff * (h * h + h * rod.bend_damping);
         let inverse = inverse_symmetric(c_below + diagonal(beta));
         let turn = inverse * (pw_below + g);
@@ -187,50 +187,55 @@ fn sweep_to_root(before: Pose, after: Pose) {
         c = inverse * c_below * beta;
         px -= b_below * turn;
         pw = beta * (inverse * pw_below) - inverse * (c_below * g);
+        above = below;
     }
 }
 
 // Turn the edges from root to tip.
-fn sweep_to_tip(after: Pose) {
+fn sweep_to_tip(before: Pose, after: Pose) {
     let h = rod.step_secs;
+    let carry = after_inverse_of(after, before);
     var omega = vec3<f32>(0.0);
     var dx = vec3<f32>(0.0);
+    var below = vec3<f32>(0.0);
     for (var k = 0u; k < N_PINNED; k++) {
         s[base + k].prev = s[base + k].x;
-        s[base + k].x = vec4<f32>(pose_apply(after, rest[base + k].place.xyz), 0.0);
+        below = pose_apply(after, rest[base + k].place.xyz);
+        s[base + k].x = vec4<f32>(below, 0.0);
     }
+    s[base].frame = normalize(multiply(after.rotation, rest[base].frame));
     for (var k = 1u; k + 1u < asked.n_vertices; k++) {
         let i = base + k;
         let edge_length = rest[i].support.w;
-        var turned = s[i].frame;
-        let t = rotate(turned, EDGE);
-        let from_root = eliminated[i];
-        let lower = from_root.lower;
-        let gained = vec3<f32>(from_root.first.w, from_root.second.w, from_root.third.w) * omega
+        var turned = carried_frame(k, carry, after);
+        let at_root = eliminated[i];
+        let lower = at_root.lower;
+        let gained = vec3<f32>(at_root.first.w, at_root.second.w, at_root.third.w) * omega
             + vec3<f32>(dot(lower.xy, omega.yz), lower.x * omega.x + lower.z * omega.z, dot(lower.yz, omega.xy));
-        let levered = from_root.first.xyz * dx.x + from_root.second.xyz * dx.y + from_root.third.xyz * dx.z;
-        omega = clamp_length(gained - from_root.turn.xyz - levered, MAX_TURN);
+        let levered = at_root.first.xyz * dx.x + at_root.second.xyz * dx.y + at_root.third.xyz * dx.z;
+        omega = clamp_length(gained - at_root.turn.xyz - levered, MAX_TURN);
         if dot(omega, omega) < STILL * STILL {
             omega = vec3<f32>(0.0);
-        } else {
-            turned = normalize(multiply(normalize(vec4<f32>(0.5 * omega, 1.0)), turned));
         }
-        dx += cross(omega, edge_length * t);
-        let was = s[i + 1u].x.xyz;
-        let below = s[i].x.xyz;
+        dx += cross(omega, edge_length * rotate(turned, EDGE));
+        turned = normalize(multiply(normalize(vec4<f32>(0.5 * omega, 1.0)), turned));
         var x = below + edge_length * rotate(turned, EDGE);
-        let styled = normalize(multiply(after.rotation, rest[i].frame));
-        let styled_x = pose_apply(after, rest[i + 1u].place.xyz);
-        let aside = max(dot(turned - styled, turned - styled), dot(x - styled_x, x - styled_x));
-        if max(dot(omega, omega), aside) < AT_REST * AT_REST {
-            turned = styled;
-            x = styled_x;
+        if dot(omega, omega) < AT_REST * AT_REST {
+            let styled = normalize(multiply(after.rotation, rest[i].frame));
+            let styled_x = pose_apply(after, rest[i + 1u].place.xyz);
+            let aside = max(dot(turned - styled, turned - styled), dot(x - styled_x, x - styled_x));
+            if aside < AT_REST * AT_REST {
+                turned = styled;
+                x = styled_x;
+            }
         }
+        let was = s[i + 1u].x.xyz;
         let velocity = was - s[i + 1u].prev.xyz;
         s[i + 1u].acceleration = vec4<f32>(((x - was) - velocity) / (h * h), 0.0);
         s[i].frame = turned;
         s[i + 1u].x = vec4<f32>(x, 0.0);
         s[i + 1u].prev = vec4<f32>(was, 0.0);
+        below = x;
     }
 }
 
@@ -244,9 +249,9 @@ fn collide(before: Pose, after: Pose) -> bool {
         let kept = contact_collide(was, s[i].prev.xyz, rest[i].place.w, along, before, after);
         if any(kept.x != was) {
             touches = true;
+            s[i].x = vec4<f32>(kept.x, 0.0);
+            s[i].prev = vec4<f32>(kept.prev, 0.0);
         }
-        s[i].x = vec4<f32>(kept.x, 0.0);
-        s[i].prev = vec4<f32>(kept.prev, 0.0);
     }
     return touches;
 }
@@ -319,7 +324,7 @@ fn at_length(below: vec3<f32>, x: vec3<f32>, edge_length: f32, turned: vec4<f32>
     return below + edge_length * rotate(turned, EDGE);
 }
 
-// A strand that is not finite starts again from rest.
+// A strand that is not finite starts again from rest: once a frame, after its steps.
 fn recover(after: Pose) {
     var sum = 0.0;
     for (var k = 0u; k < asked.n_vertices; k++) {
@@ -336,13 +341,11 @@ fn recover(after: Pose) {
 
 // One step: the head goes from `before` to `after`.
 fn step_rod(before: Pose, after: Pose) {
-    carry_along(before, after);
     sweep_to_root(before, after);
-    sweep_to_tip(after);
+    sweep_to_tip(before, after);
     if collide(before, after) {
         close_lengths(after);
     }
-    recover(after);
 }
 
 // All of a frame's steps for one strand. Twin of SimulatedLayer::run in sim/src/layer.rs.
@@ -357,12 +360,15 @@ fn advance(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
         carry_strand(asked.carry);
     }
     for (var step = 0u; step < asked.n_steps; step++) {
-        for (var k = 0u; k < asked.n_vertices; k++) {
-            s[base + k].begun = s[base + k].x;
+        if step + 1u == asked.n_steps {
+            for (var k = 0u; k < asked.n_vertices; k++) {
+                s[base + k].begun = s[base + k].x;
+            }
         }
         contact_step(step, asked.n_steps);
         step_rod(asked.poses[step], asked.poses[step + 1u]);
     }
+    recover(asked.poses[asked.n_steps]);
     for (var k = 0u; k < asked.n_vertices; k++) {
         positions[base + k] = shown_at(k, rest[base + k].place.xyz, s[base + k].x.xyz, s[base + k].begun.xyz);
     }

@@ -221,11 +221,14 @@ impl SimulatedLayer {
                         }
                         for (step, poses) in frame.poses.windows(2).enumerate() {
                             let obstacles = obstacles.at_step(step, frame.n_steps());
-                            for vertex in s.iter_mut() {
-                                vertex.begun = vertex.x;
+                            if step + 1 == frame.n_steps() {
+                                for vertex in s.iter_mut() {
+                                    vertex.begun = vertex.x;
+                                }
                             }
                             step_rod(s, rest, params, air, obstacles, poses[0], poses[1], eliminated);
                         }
+                        rod::recover(s, rest, frame.poses[frame.n_steps()]);
                         show(shown, places, frame, |k| (s[k].x, s[k].begun));
                     },
                 );

@@ -246,24 +246,17 @@ pub fn step_rod(
     after: Pose,
     eliminated: &mut [Eliminated],
 ) {
-    carry_along(s, rest, before, after);
     sweep_to_root(s, rest, p, air, before, after, eliminated);
-    sweep_to_tip(s, rest, p, after, eliminated);
+    sweep_to_tip(s, rest, p, before, after, eliminated);
     if collide(s, rest, obstacles, before, after) {
         close_lengths(s, rest, p, obstacles, after);
     }
-    recover(s, rest, after);
 }
 
-/// Everything goes rigidly with the head; what it has of its own is found against that.
-fn carry_along(s: &mut [RodVertex], rest: &[RodRest], before: Pose, after: Pose) {
-    let carry = after.after_inverse_of(&before);
-    for k in 0..s.len() {
-        s[k].frame = (carry.rotation * s[k].frame).normalize();
-    }
-    if let Some(root) = s.first_mut() {
-        root.frame = (after.rotation * rest[0].frame).normalize();
-    }
+/// Frame of an edge that goes rigidly with the head: what it has of its own is found against that.
+fn carried_frame(s: &[RodVertex], rest: &[RodRest], k: usize, carry: Pose, after: Pose) -> Quat {
+    let turned = if k == 0 { after.rotation * rest[0].frame } else { carry.rotation * s[k].frame };
+    turned.normalize()
 }
 
 /// Eliminate every edge from tip to root.
@@ -284,10 +277,12 @@ fn sweep_to_root(
     let (mut a, mut b, mut c) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
     let (mut px, mut pw) = (Vec3::ZERO, Vec3::ZERO);
     let mut load = Vec3::ZERO;
+    let mut frame = if n > 2 { carried_frame(s, rest, n - 2, carry, after) } else { Quat::IDENTITY };
     for k in (1..n.saturating_sub(1)).rev() {
         let j = k + 1;
+        let frame_below = carried_frame(s, rest, k - 1, carry, after);
         let length = rest[k].support.w;
-        let t = rotate(s[k].frame, Vec3::Z);
+        let t = rotate(frame, Vec3::Z);
         let e = length * t;
         // Compute what drives vertex j, relative to going rigidly with the head.
         let x = s[j].x.xyz();
@@ -319,7 +314,7 @@ fn sweep_to_root(
         let pw_below = pw + e.cross(px);
         // Eliminate omega_k.
         let stiff = p.bend / rest[k].numbers.w;
-        let g = h * h * moment_of_joint(s, rest, k, stiff);
+        let g = h * h * moment_of_joint(frame_below, frame, rest[k].joint, stiff);
         let beta = stiff * (h * h + h * p.bend_damping);
         let inverse = inverse_symmetric(c_below + Mat3::from_diagonal(Vec3::splat(beta)));
         let turn = inverse * (pw_below + g);
@@ -330,42 +325,57 @@ fn sweep_to_root(
         c = inverse * c_below * beta;
         px -= b_below * turn;
         pw = beta * (inverse * pw_below) - inverse * (c_below * g);
+        frame = frame_below;
     }
 }
 
 /// Turn the edges from root to tip.
-fn sweep_to_tip(s: &mut [RodVertex], rest: &[RodRest], p: &RodParams, after: Pose, eliminated: &[Eliminated]) {
+fn sweep_to_tip(
+    s: &mut [RodVertex],
+    rest: &[RodRest],
+    p: &RodParams,
+    before: Pose,
+    after: Pose,
+    eliminated: &[Eliminated],
+) {
     let h = p.step_secs;
+    let carry = after.after_inverse_of(&before);
     let (mut omega, mut dx) = (Vec3::ZERO, Vec3::ZERO);
+    let mut below = Vec3::ZERO;
     for k in 0..s.len().min(N_PINNED) {
         s[k].prev = s[k].x;
-        s[k].x = after.apply(rest[k].place.xyz()).extend(0.0);
+        below = after.apply(rest[k].place.xyz());
+        s[k].x = below.extend(0.0);
+    }
+    if let Some(root) = s.first_mut() {
+        root.frame = (after.rotation * rest[0].frame).normalize();
     }
     for k in 1..s.len().saturating_sub(1) {
         let Eliminated { gain, lever, turn } = eliminated[k];
         let length = rest[k].support.w;
-        let mut frame = s[k].frame;
-        let t = rotate(frame, Vec3::Z);
+        let mut frame = carried_frame(s, rest, k, carry, after);
         omega = clamp_length(gain * omega - turn - lever * dx, MAX_TURN);
         if omega.length_squared() < STILL * STILL {
             omega = Vec3::ZERO;
-        } else {
-            let half = 0.5 * omega;
-            frame = (Quat::from_xyzw(half.x, half.y, half.z, 1.0).normalize() * frame).normalize();
         }
-        dx += omega.cross(length * t);
+        dx += omega.cross(length * rotate(frame, Vec3::Z));
+        let half = 0.5 * omega;
+        frame = (Quat::from_xyzw(half.x, half.y, half.z, 1.0).normalize() * frame).normalize();
+        let mut x = below + length * rotate(frame, Vec3::Z);
+        if omega.length_squared() < AT_REST * AT_REST {
+            let styled = (after.rotation * rest[k].frame).normalize();
+            let styled_x = after.apply(rest[k + 1].place.xyz());
+            let aside = (frame - styled).length_squared().max((x - styled_x).length_squared());
+            if aside < AT_REST * AT_REST {
+                (frame, x) = (styled, styled_x);
+            }
+        }
         let was = s[k + 1].x.xyz();
-        let mut x = s[k].x.xyz() + length * rotate(frame, Vec3::Z);
-        let styled = (after.rotation * rest[k].frame).normalize();
-        let styled_x = after.apply(rest[k + 1].place.xyz());
-        let aside = (frame - styled).length_squared().max((x - styled_x).length_squared());
-        if omega.length_squared().max(aside) < AT_REST * AT_REST {
-            (frame, x) = (styled, styled_x);
-        }
         s[k + 1].acceleration = (((x - was) - (was - s[k + 1].prev.xyz())) / (h * h)).extend(0.0);
         s[k].frame = frame;
         s[k + 1].x = x.extend(0.0);
         s[k + 1].prev = was.extend(0.0);
+        below = x;
     }
 }
 
@@ -376,9 +386,11 @@ fn collide(s: &mut [RodVertex], rest: &[RodRest], obstacles: Obstacles<'_>, befo
         let along = k as f32 / (s.len() - 1) as f32;
         let was = s[k].x.xyz();
         let (x, prev) = obstacles.collide(was, s[k].prev.xyz(), rest[k].place.w, along, before, after);
-        touches |= x != was;
-        s[k].x = x.extend(0.0);
-        s[k].prev = prev.extend(0.0);
+        if x != was {
+            touches = true;
+            s[k].x = x.extend(0.0);
+            s[k].prev = prev.extend(0.0);
+        }
     }
     touches
 }
@@ -454,8 +466,8 @@ fn at_length(below: Vec3, x: Vec3, length: f32, frame: Quat) -> Vec3 {
     if far > 1e-6 { below + edge * (length / far) } else { below + length * rotate(frame, Vec3::Z) }
 }
 
-/// A strand that is not finite starts again from rest.
-fn recover(s: &mut [RodVertex], rest: &[RodRest], after: Pose) {
+/// A strand that is not finite starts again from rest: once a frame, after its steps.
+pub fn recover(s: &mut [RodVertex], rest: &[RodRest], after: Pose) {
     let mut sum = 0.0;
     for k in 0..s.len() {
         sum += (s[k].x.xyz() - s[k].prev.xyz()).abs().element_sum() + s[k].frame.length_squared();
@@ -470,10 +482,10 @@ fn recover(s: &mut [RodVertex], rest: &[RodRest], after: Pose) {
 }
 
 /// Moment that a joint's deviation from its rest makes on the edge above it, world: 2 B/l sin(theta / 2) about its axis.
-fn moment_of_joint(s: &[RodVertex], rest: &[RodRest], k: usize, stiff: f32) -> Vec3 {
-    let deviation = rest[k].joint.conjugate() * (s[k - 1].frame.conjugate() * s[k].frame);
+fn moment_of_joint(below: Quat, above: Quat, joint: Quat, stiff: f32) -> Vec3 {
+    let deviation = joint.conjugate() * (below.conjugate() * above);
     let shortest = if deviation.w < 0.0 { -1.0 } else { 1.0 };
-    rotate(s[k].frame, 2.0 * stiff * shortest * Vec3::new(deviation.x, deviation.y, deviation.z))
+    rotate(above, 2.0 * stiff * shortest * Vec3::new(deviation.x, deviation.y, deviation.z))
 }
 
 /// `e x` each column.
