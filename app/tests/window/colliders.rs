@@ -48,5 +48,7 @@ fn a_collider_follows_the_hand_while_hair_moves() {
     studio.key("ctrl+z");
     studio.wait("undo", |state| state["n_done"] == 2);
     assert_eq!(ball(&studio), before);
+    studio.key("ctrl+s");
+    studio.wait("saved", |state| state["unsaved"] == false);
     studio.quit();
 }
