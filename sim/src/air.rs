@@ -16,7 +16,7 @@ use crate::wind::cpu::HairLayer;
 use crate::wind::gpu::GpuHairLayer;
 use crate::wind::{AirGrid, CpuWind, FreeAir, GpuWind, WindFrame};
 
-/// Hairs of a head, shared out to all guides where nobody says how many a layer has.
+/// Hairs of a head, shared out to all guides: what is drawn are fewer and thicker ones.
 const HAIRS_OF_A_HEAD: f32 = 100_000.0;
 
 /// The air around the groom; a clone is cheap.
@@ -57,17 +57,15 @@ pub(crate) struct HairAmount {
 }
 
 impl HairAmount {
-    /// Of all layers, the first of which stand for these hairs.
-    pub fn of_all<'a>(rests: impl Iterator<Item = &'a Rest> + Clone, n_hairs: &[f32]) -> Vec<Self> {
+    /// Of all layers at rest: each of their guides stands for as many hairs of a head.
+    pub fn of_all<'a>(rests: impl Iterator<Item = &'a Rest> + Clone) -> Vec<Self> {
         let n_guides = rests.clone().map(Rest::n_guides).sum();
-        rests.enumerate().map(|(idx, rest)| Self::new(rest, n_guides, n_hairs.get(idx).copied())).collect()
+        rests.map(|rest| Self::new(rest, n_guides)).collect()
     }
 
-    /// Of a layer at rest; `n_hairs` where somebody says so, and else its share of a head's.
-    fn new(rest: &Rest, n_guides_of_all: usize, n_hairs: Option<f32>) -> Self {
+    fn new(rest: &Rest, n_guides_of_all: usize) -> Self {
         let n_guides = rest.n_guides();
-        let of_a_guide = HAIRS_OF_A_HEAD / n_guides_of_all.max(1) as f32;
-        let n_hairs = n_hairs.filter(|n| n.is_finite()).unwrap_or(of_a_guide * n_guides as f32).clamp(0.0, 1e7);
+        let n_hairs = HAIRS_OF_A_HEAD * n_guides as f32 / n_guides_of_all.max(1) as f32;
         let n = rest.n_vertices.max(1) as usize;
         let length: f32 = (rest.vertices.chunks_exact(n).flat_map(|guide| guide.windows(2)))
             .map(|edge| (edge[1] - edge[0]).truncate().length().min(10.0))

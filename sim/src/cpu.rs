@@ -41,7 +41,7 @@ impl CpuSolver {
             guides.iter().map(|guides| SimulatedLayer::new(guides, obstacles, settings, pose)).collect();
         let volume = volume_of(&layers, settings);
         Self {
-            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest), &[]),
+            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest)),
             air: CpuAir::default(),
             layers,
             field: field.cloned(),
@@ -180,11 +180,6 @@ impl CpuSolver {
             measure(&layer.rest, obstacles, pose, &x, &begun, step_secs)
         };
         self.layers.iter().map(of_layer).fold(Measure::default(), |sum, layer| sum.and(&layer))
-    }
-
-    /// Guides of a layer stand for so many hairs each as make these together; without, all guides share a head's hairs.
-    pub fn set_n_hairs(&mut self, n_hairs: &[f32]) {
-        self.hair = HairAmount::of_all(self.layers.iter().map(|layer| &layer.rest), n_hairs);
     }
 
     /// The grid of air, once a frame has passed in which the wind was one.

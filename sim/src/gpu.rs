@@ -124,7 +124,7 @@ impl GpuSolver {
         let values = field.map_or(&[][..], |field| &field.values);
         Ok(Self {
             kernel,
-            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest), &[]),
+            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest)),
             air: GpuAir::default(),
             layers,
             field: field.cloned(),
@@ -301,11 +301,6 @@ impl GpuSolver {
             sum = sum.and(&measure(&now.rest, obstacles, self.clock.pose_at_step(), &x, &begun, step_secs));
         }
         Ok(sum)
-    }
-
-    /// Guides of a layer stand for so many hairs each as make these together; without, all guides share a head's hairs.
-    pub fn set_n_hairs(&mut self, n_hairs: &[f32]) {
-        self.hair = HairAmount::of_all(self.layers.iter().map(|layer| &layer.model.rest), n_hairs);
     }
 
     /// The grid of air, once a frame has passed in which the wind was one.

@@ -10,9 +10,10 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::motion::{AtEnd, HeadPose, Movement};
-use lorelei_core::simulation::SimulationSettings;
+use lorelei_core::simulation::{SimulationSettings, Wind};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
+use lorelei_sim::wind::{AirGrid, FreeAir};
 
 use super::{Playback, StageError};
 use crate::movement::frames::Frames;
@@ -446,6 +447,18 @@ impl Player {
         }
         let solver = self.moving.as_ref().map(|moving| &moving.solver)?;
         (layer_idx < solver.n_layers()).then(|| solver.positions(layer_idx))
+    }
+
+    /// The air as it is drawn: the grid's of the last frame that was simulated, or free air where there is no grid; `None`
+    /// where it is still. Waits for the GPU.
+    pub fn air(&self) -> Result<Option<AirGrid>, GpuError> {
+        let settings = &self.score.course.settings;
+        let grid = self.moving.as_ref().and_then(|moving| moving.solver.air_grid());
+        Ok(match (settings.wind, grid) {
+            (Wind::Off, _) => None,
+            (Wind::Grid, Some(grid)) => Some(grid.read_air()?),
+            (Wind::Uniform | Wind::Grid, _) => Some(AirGrid::of_free(FreeAir::new(settings, self.now().1))),
+        })
     }
 
     pub fn world_from_head(&self) -> Affine3A {

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use lorelei_core::camera::Camera;
 use lorelei_render::inspect::Inspection;
+use lorelei_sim::wind::AirGrid;
 
 use super::binder::State;
 use super::player::Player;
@@ -69,6 +70,8 @@ pub struct FrameReport {
     pub n_shadow_bytes: u64,
     /// Where on the timeline it is.
     pub timeline: Timeline,
+    /// The air of the last frame that was simulated, where it was asked for.
+    pub air: Option<AirGrid>,
     /// Where the head was in the last picture.
     pub world_from_head: glam::Affine3A,
     pub adapter: String,

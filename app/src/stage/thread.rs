@@ -35,6 +35,8 @@ pub struct FrameRequest {
     pub shown: Shown,
     /// The pixel whose light is to be told.
     pub inspect: Option<[u32; 2]>,
+    /// The air is drawn over the picture.
+    pub wants_air: bool,
     /// A person is dragging something: frames must be quick.
     pub is_interacting: bool,
     /// Milliseconds that a frame may take while something moves.
@@ -64,6 +66,7 @@ impl PartialEq for FrameRequest {
             overlay,
             shown,
             inspect,
+            wants_air,
             is_interacting,
             moving_budget_ms,
             frames_budget,
@@ -75,6 +78,7 @@ impl PartialEq for FrameRequest {
         (state, camera, size, playback) == (&other.state, &other.camera, &other.size, &other.playback)
             && *overlay == other.overlay
             && (shown, inspect) == (&other.shown, &other.inspect)
+            && *wants_air == other.wants_air
             && *is_interacting == other.is_interacting
             && (*moving_budget_ms, *frames_budget) == (other.moving_budget_ms, other.frames_budget)
             && offered.as_ref().map(Arc::as_ptr) == other.offered.as_ref().map(Arc::as_ptr)

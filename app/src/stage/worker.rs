@@ -439,6 +439,7 @@ impl Worker {
         }
         let shot = wants_shot.then(|| stage.player().shot());
         let inspection = inspected(stage, request.inspect, detail.coarseness, &mut errors);
+        let air = if request.wants_air { stage.player().air() } else { Ok(None) };
         let is_lost = stage.is_lost();
         let mut news = FrameReport::default();
         stage.describe(&mut news);
@@ -481,6 +482,11 @@ impl Worker {
                 Some(Ok(picture)) => report.picture = Some((request.n_pictures, picture)),
                 Some(Err(why)) => report.errors.push(why.to_string()),
                 None => {}
+            }
+            match air {
+                Ok(air) => report.air = air,
+                Err(why) if !is_lost => report.errors.push(why.to_string()),
+                Err(_) => {}
             }
             report.n_strands = news.n_strands;
             report.n_vertices = news.n_vertices;

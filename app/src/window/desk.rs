@@ -20,6 +20,7 @@ use super::room::Room;
 use super::settings::Settings;
 use super::takes::Takes;
 use super::tools::Tools;
+use super::wind_view::WindView;
 use crate::stage::Playback;
 use crate::stage::report::FrameReport;
 
@@ -31,6 +32,8 @@ pub enum Selection {
     Light(usize),
     /// Of the settings of movement.
     Collider(usize),
+    /// A source of wind.
+    Wind(usize),
 }
 
 /// GPU time of one frame by pass, for the plot.
@@ -59,6 +62,8 @@ pub struct Desk {
     pub notices: Notices,
     pub settings: Settings,
     pub show_handles: bool,
+    /// What of the wind is drawn over the picture.
+    pub wind_view: WindView,
     pub tools: Tools,
     pub levels: LodPanel,
     /// Movements as a whole.
@@ -89,6 +94,7 @@ impl Default for Desk {
             notices: Notices::default(),
             settings: Settings::default(),
             show_handles: true,
+            wind_view: WindView::new(),
             tools: Tools::default(),
             levels: LodPanel::default(),
             takes: Takes::default(),
@@ -159,7 +165,7 @@ impl Desk {
     pub fn selected_layer(&self) -> Option<&Layer> {
         match self.selection {
             Selection::Layer(layer_idx) => self.document.groom.layers.get(layer_idx),
-            Selection::Head | Selection::Light(_) | Selection::Collider(_) => None,
+            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => None,
         }
     }
 
@@ -174,6 +180,9 @@ impl Desk {
             }
             Selection::Collider(i) if i >= groom.simulation.colliders.len() => {
                 groom.simulation.colliders.len().checked_sub(1).map_or(Selection::Head, Selection::Collider)
+            }
+            Selection::Wind(i) if i >= groom.simulation.sources.len() => {
+                groom.simulation.sources.len().checked_sub(1).map_or(Selection::Head, Selection::Wind)
             }
             kept => kept,
         };

@@ -28,6 +28,8 @@ mod timeline;
 mod tools;
 mod top_bar;
 mod viewport;
+mod wind_handles;
+mod wind_view;
 
 use lorelei_core::camera::Camera;
 use lorelei_core::script::Step;
@@ -262,6 +264,7 @@ impl Studio {
             overlay: self.desk.tools.overlay(&self.desk.document.groom, self.desk.selection),
             shown: self.desk.room.shown(),
             inspect: self.desk.room.pixel,
+            wants_air: self.desk.wind_view.is_on(),
             is_interacting: self.viewport.is_interacting,
             moving_budget_ms: self.desk.settings.moving_budget_ms,
             frames_budget: self.frames_budget(),

@@ -11,6 +11,7 @@ use super::projection::Projection;
 use super::room;
 use super::theme;
 use super::tools::{self, Tool};
+use super::{wind_handles, wind_view};
 
 /// A head that follows the pointer after G or R, as in Blender.
 #[derive(Debug, Clone, Copy)]
@@ -66,12 +67,14 @@ impl Viewport {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
         let has_moved = navigation::navigate(&mut desk.camera, &response, ui);
         let projection = Projection::new(&desk.camera, rect);
+        wind_view::ui(ui, desk, projection);
         let mut is_dragging_handle = false;
         let is_tool_busy = tools::viewport(ui, desk, projection, &response, has_moved || self.grab.is_some());
         if desk.show_handles && self.grab.is_none() && desk.tools.active == Tool::Select {
             handles::lights(ui, desk, projection, &mut self.drag);
             is_dragging_handle = handles::head(ui, desk, projection);
             is_dragging_handle |= collider_handles::colliders(ui, desk, projection);
+            is_dragging_handle |= wind_handles::sources(ui, desk, projection);
         }
         let is_wiping = room::viewport(ui, desk, rect, &response);
         self.follow_grab(ui, desk, rect);

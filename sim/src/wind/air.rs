@@ -28,6 +28,12 @@ pub struct AirGrid {
 }
 
 impl AirGrid {
+    /// Air without a grid.
+    pub fn of_free(free: FreeAir) -> Self {
+        let params = AirGridParams { min: Vec3::ZERO, cell: 1.0, n: 0, pad: [0; 3] };
+        Self { params, air: Arc::default(), free: Arc::new(free) }
+    }
+
     /// World, cm/s; outside of the grid the air that nothing stands in the way of.
     pub fn air_velocity(&self, p: Vec3) -> Vec3 {
         match self.sample(p) {

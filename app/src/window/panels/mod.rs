@@ -13,6 +13,7 @@ pub mod simulation;
 pub mod statistics;
 pub mod style;
 pub mod widgets;
+pub mod wind;
 
 #[cfg(test)]
 mod tests;

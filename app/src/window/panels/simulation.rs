@@ -57,6 +57,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     if let Some(change) = change {
         desk.document.edit(&change.label, Edit::SetSimulation(Box::new(settings)), merge_of(change.drag));
     }
+    super::wind::section(ui, desk);
     super::colliders::section(ui, desk);
 }
 

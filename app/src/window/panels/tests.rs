@@ -74,10 +74,13 @@ fn without_tooltip(name: &str, mut panel: impl FnMut(&mut Ui)) -> Vec<String> {
 #[test]
 fn every_control_of_every_panel_has_a_tooltip() {
     let mut desk = desk();
+    desk.document.groom.simulation.sources = vec![lorelei_core::wind::WindSource::default()];
     desk.document.groom.simulation.colliders =
         vec![Collider::capsule("arm", [Vec3::ZERO, Vec3::Y], [2.0, 1.0]), Collider::default()];
     let mut silent = without_tooltip("outliner", |ui| outliner::ui(ui, &mut desk));
-    for selection in [Selection::Head, Selection::Layer(0), Selection::Light(0), Selection::Collider(0)] {
+    for selection in
+        [Selection::Head, Selection::Layer(0), Selection::Light(0), Selection::Collider(0), Selection::Wind(0)]
+    {
         desk.selection = selection;
         silent.extend(without_tooltip(&format!("{selection:?}"), |ui| properties::ui(ui, &mut desk)));
     }

@@ -92,7 +92,7 @@ pub fn layer_idx(desk: &Desk) -> Option<usize> {
 fn selected(groom: &Groom, selection: Selection) -> Option<usize> {
     match selection {
         Selection::Layer(layer_idx) if layer_idx < groom.layers.len() => Some(layer_idx),
-        Selection::Layer(_) | Selection::Head | Selection::Light(_) | Selection::Collider(_) => {
+        Selection::Layer(_) | Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => {
             (!groom.layers.is_empty()).then_some(0)
         }
     }
