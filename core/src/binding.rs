@@ -70,8 +70,8 @@ pub struct LayerBinding {
     /// What each of `maps` says at the strand's root, in its own measure ([`MapKind::max_value`]): strand `s` has
     /// `map_values[s * maps.len()..]`.
     pub map_values: Vec<f32>,
-    /// Per guide: share of it, from the root, that is tied, 0-1.
-    pub guide_ties: Vec<f32>,
+    /// Share of every strand, from the root, that the layer ties, 0-1; the painted map can say more.
+    pub tied: f32,
     /// Where strands may stand, for another density; `None` where they stand where they were imported.
     places: Option<Arc<Places>>,
     pub clumps: Clumps,
@@ -210,12 +210,13 @@ impl LayerBinding {
             let column = self.map_values.par_iter_mut().skip(i).step_by(maps.len());
             column.enumerate().for_each(|(strand_idx, out)| *out = value(strand_idx));
         }
-        self.guide_ties = self.ties(layer.tied);
+        self.tied = layer.tied.clamp(0.0, 1.0);
     }
 
-    /// What its strands say of each guide: the mean of the painted ties by their shares in it, or `least`.
-    fn ties(&self, least: f32) -> Vec<f32> {
-        let mut ties = vec![least.clamp(0.0, 1.0); self.guides.n_guides()];
+    /// Per guide: share of it, from the root, that is tied, 0-1: what the layer says, or the mean of what is painted at the
+    /// roots of its strands, by their shares in it.
+    pub fn guide_ties(&self) -> Vec<f32> {
+        let mut ties = vec![self.tied; self.guides.n_guides()];
         let Some(map_idx) = self.map_idx(&MapKind::Tied) else { return ties };
         let mut sums = vec![(0.0, 0.0); ties.len()];
         for strand_idx in 0..self.n_strands() {

@@ -1,7 +1,7 @@
 // Chains: the twin of sim/src/chain.rs, function by function.
 //
-// A workgroup takes a strand and a thread a vertex, as the references do; places are shared in workgroup memory, and all
-// of a frame's steps are one dispatch.
+// A workgroup takes a strand, or as many as have room, and a thread a vertex, as the references do; places are shared in
+// workgroup memory, and all of a frame's steps are one dispatch.
 
 #import lorelei::sim_pose::{Pose, rotate, pose_apply, after_inverse_of, shortest_turn, normalize_or_zero}
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
@@ -39,11 +39,10 @@ const MOST: u32 = 64u;
 @group(0) @binding(auto) var<storage, read> rest: array<ChainRest>;
 @group(0) @binding(auto) var<storage, read_write> s: array<ChainVertex>;
 
-// Places of the strand's vertices now.
+// Places of the vertices now, one a thread.
 var<workgroup> x_of: array<vec3<f32>, MOST>;
-// Lengths of the edges below them.
-var<workgroup> length_of: array<f32, MOST>;
-var<workgroup> is_broken: atomic<u32>;
+// Of each strand of the workgroup.
+var<workgroup> is_broken: array<atomic<u32>, MOST>;
 
 // Verlet's rule for one vertex: where it goes from `x`.
 fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose, after: Pose) -> vec3<f32> {
@@ -61,49 +60,52 @@ fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose,
 }
 
 // Lengths of every second edge: the thread of an edge's upper vertex moves both of its ends.
-fn lengths(k: u32, is_here: bool, batch: u32) {
+fn lengths(lane: u32, k: u32, is_here: bool, rest_length: f32, batch: u32) {
     if is_here && k >= N_PINNED + batch && (k - N_PINNED - batch) % 2u == 0u {
-        let edge = x_of[k] - x_of[k - 1u];
-        let error = length(edge) - length_of[k];
+        let edge = x_of[lane] - x_of[lane - 1u];
+        let error = length(edge) - rest_length;
         let w_below = select(1.0, 0.0, k - 1u < N_PINNED);
         let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
-        x_of[k - 1u] += w_below * correction;
-        x_of[k] -= correction;
+        x_of[lane - 1u] += w_below * correction;
+        x_of[lane] -= correction;
     }
     workgroupBarrier();
 }
 
 // Towards the local shape, all at once from where the vertices were before.
-fn angles(k: u32, is_here: bool, first: u32, after: Pose) {
+fn angles(lane: u32, is_free: bool, rest_below: vec3<f32>, rest_edge: vec3<f32>) {
     var moved = vec3<f32>(0.0);
-    if is_here && k >= N_PINNED {
-        let rest_below = rotate(after.rotation, rest[first + k - 1u].place.xyz - rest[first + k - 2u].place.xyz);
-        let rest_edge = rotate(after.rotation, rest[first + k].place.xyz - rest[first + k - 1u].place.xyz);
-        let joint = x_of[k - 1u];
-        let goal = joint + rotate(shortest_turn(rest_below, joint - x_of[k - 2u]), rest_edge);
-        moved = x_of[k] + chain.shape * (goal - x_of[k]);
+    if is_free {
+        let joint = x_of[lane - 1u];
+        let goal = joint + rotate(shortest_turn(rest_below, joint - x_of[lane - 2u]), rest_edge);
+        moved = x_of[lane] + chain.shape * (goal - x_of[lane]);
     }
     workgroupBarrier();
-    if is_here && k >= N_PINNED {
-        x_of[k] = moved;
+    if is_free {
+        x_of[lane] = moved;
     }
     workgroupBarrier();
 }
 
-// All of a frame's steps for one strand. Twin of SimulatedLayer::run in sim/src/layer.rs.
+// All of a frame's steps for as many strands as have room in a workgroup. Twin of SimulatedLayer::run in sim/src/layer.rs.
 @compute @workgroup_size(64)
 fn advance(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
-    @builtin(local_invocation_index) k: u32,
+    @builtin(local_invocation_index) lane: u32,
 ) {
-    let guide_idx = group.x + group.y * n_groups.x;
-    if guide_idx >= asked.n_guides {
+    let n = asked.n_vertices;
+    let n_strands = max(MOST / n, 1u);
+    let first_guide = (group.x + group.y * n_groups.x) * n_strands;
+    if first_guide >= asked.n_guides {
         return;
     }
-    let first = guide_idx * asked.n_vertices;
-    let is_here = k < asked.n_vertices;
-    let i = first + min(k, asked.n_vertices - 1u);
+    let strand = lane / n;
+    let k = lane % n;
+    let is_here = strand < n_strands && first_guide + strand < asked.n_guides;
+    let is_free = is_here && k >= N_PINNED;
+    // Threads without a vertex read the first one's and write nothing.
+    let i = select(0u, (first_guide + strand) * n + k, is_here);
     let place = rest[i].place;
     var x = s[i].x.xyz;
     var prev = s[i].prev.xyz;
@@ -113,11 +115,14 @@ fn advance(
         prev = pose_apply(asked.carry, prev);
         begun = pose_apply(asked.carry, begun);
     }
-    if is_here {
-        length_of[k] = select(distance(place.xyz, rest[max(i, 1u) - 1u].place.xyz), 0.0, k == 0u);
+    var rest_edge = vec3<f32>(0.0);
+    var rest_below = vec3<f32>(0.0);
+    if is_free {
+        rest_edge = place.xyz - rest[i - 1u].place.xyz;
+        rest_below = rest[i - 1u].place.xyz - rest[i - 2u].place.xyz;
     }
-    workgroupBarrier();
-    let along = f32(k) / f32(asked.n_vertices - 1u);
+    let rest_length = length(rest_edge);
+    let along = f32(k) / f32(n - 1u);
     for (var step = 0u; step < asked.n_steps; step++) {
         contact_step(step, asked.n_steps);
         let before = asked.poses[step];
@@ -126,41 +131,43 @@ fn advance(
         let moved = integrate(k, x, prev, rest[i], before, after);
         prev = x;
         if is_here {
-            x_of[k] = moved;
-        }
-        if k == 0u {
-            atomicStore(&is_broken, 0u);
+            x_of[lane] = moved;
         }
         workgroupBarrier();
+        let turned_below = rotate(after.rotation, rest_below);
+        let turned_edge = rotate(after.rotation, rest_edge);
         for (var iteration = 0u; iteration < chain.n_iterations; iteration++) {
-            lengths(k, is_here, 0u);
-            lengths(k, is_here, 1u);
-            angles(k, is_here, first, after);
-            if is_here && k >= N_PINNED {
-                let contact = contact_collide(x_of[k], prev, place.w, along, before, after);
-                x_of[k] = contact.x;
+            lengths(lane, k, is_here, rest_length, 0u);
+            lengths(lane, k, is_here, rest_length, 1u);
+            angles(lane, is_free, turned_below, turned_edge);
+            if is_free {
+                let contact = contact_collide(x_of[lane], prev, place.w, along, before, after);
+                x_of[lane] = contact.x;
                 prev = contact.prev;
             }
             workgroupBarrier();
         }
         if is_here {
-            x = x_of[k];
-            let d = abs(x - prev);
-            // False for NaN and infinity too.
-            if !(d.x + d.y + d.z < 1e13) {
-                atomicStore(&is_broken, 1u);
-            }
+            x = x_of[lane];
         }
-        workgroupBarrier();
-        // A strand that is not finite starts again from rest.
-        if atomicLoad(&is_broken) == 1u {
-            x = pose_apply(after, place.xyz);
+    }
+    // A strand that is not finite starts again from rest: once a frame, after its steps.
+    if is_here {
+        atomicStore(&is_broken[strand], 0u);
+    }
+    workgroupBarrier();
+    let d = abs(x - prev);
+    // False for NaN and infinity too.
+    if is_here && !(d.x + d.y + d.z < 1e13) {
+        atomicStore(&is_broken[strand], 1u);
+    }
+    workgroupBarrier();
+    if is_here {
+        if atomicLoad(&is_broken[strand]) == 1u {
+            x = pose_apply(asked.poses[asked.n_steps], place.xyz);
             prev = x;
             begun = x;
         }
-        workgroupBarrier();
-    }
-    if is_here {
         s[i] = ChainVertex(vec4<f32>(x, 0.0), vec4<f32>(prev, 0.0), vec4<f32>(begun, 0.0));
         positions[i] = shown_at(k, place.xyz, x, begun);
     }

@@ -111,7 +111,6 @@ pub fn step_chain(
             s[k].prev = prev.extend(0.0);
         }
     }
-    recover(s, rest, after);
 }
 
 /// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
@@ -164,8 +163,8 @@ fn angles(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, after: Pos
     }
 }
 
-/// A strand that is not finite starts again from rest.
-fn recover(s: &mut [ChainVertex], rest: &[ChainRest], after: Pose) {
+/// A strand that is not finite starts again from rest: once a frame, after its steps.
+pub fn recover(s: &mut [ChainVertex], rest: &[ChainRest], after: Pose) {
     let mut sum = 0.0;
     for vertex in s.iter() {
         sum += (vertex.x.xyz() - vertex.prev.xyz()).abs().element_sum();

@@ -88,6 +88,9 @@ impl Layer {
 /// Bytes of `Eliminated` in WGSL.
 const ELIMINATED_BYTES: u64 = 5 * 16;
 
+/// Threads of a workgroup of `sim_chain.wgsl`.
+const CHAIN_LANES: u32 = 64;
+
 /// The twin of [`crate::CpuSolver`].
 pub struct GpuSolver {
     gpu: Gpu,
@@ -336,18 +339,20 @@ impl GpuSolver {
         let hair: Vec<GpuHairLayer<'_>> = hair.collect();
         self.air.advance((&self.gpu, &self.library), encoder, air_frame, &contact, &rests, &hair)?;
         // Parameters get a buffer of their own every time: several frames can be recorded before one is submitted.
-        let recorded: Vec<(Bindings, u32)> = self
+        // Strands that have room in a workgroup of the chains' kernel.
+        let n_strands = |layer: &Layer| (CHAIN_LANES / layer.model.rest.n_vertices).max(1);
+        let recorded: Vec<(Bindings, u32, u32)> = self
             .layers
             .iter()
             .filter(|layer| layer.model.n_guides() > 0 && layer.model.rest.n_vertices >= 2)
-            .map(|layer| Ok((self.bind(layer, frame, &contact)?, layer.model.n_guides() as u32)))
+            .map(|layer| Ok((self.bind(layer, frame, &contact)?, layer.model.n_guides() as u32, n_strands(layer))))
             .collect::<Result<_, ShaderError>>()?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sim.strand"), timestamp_writes: None });
-        for (bindings, n_guides) in &recorded {
+        for (bindings, n_guides, n_strands) in &recorded {
             match self.settings.solver {
                 Solver::Rods => self.kernel.dispatch_items(&mut pass, bindings, *n_guides),
-                Solver::Chains => self.kernel.dispatch(&mut pass, bindings, grid_1d(*n_guides, 1)),
+                Solver::Chains => self.kernel.dispatch(&mut pass, bindings, grid_1d(*n_guides, *n_strands)),
             }
         }
         Ok(())

@@ -246,6 +246,7 @@ impl SimulatedLayer {
                         }
                         step_chain(s, rest, params, air, obstacles, poses[0], poses[1]);
                     }
+                    chain::recover(s, rest, frame.poses[frame.n_steps()]);
                     show(shown, places, frame, |k| (s[k].x, s[k].begun));
                 });
             }

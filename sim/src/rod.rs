@@ -5,8 +5,10 @@
 //! step are the rotations omega of the edges, not the places of the vertices: so lengths are exact whatever happens, and
 //! twist is there. One Newton step of implicit Euler minimises the quadratic
 //!
-//!     sum_j  1/2 d_j |dx_j|^2 - r_j . dx_j                          inertia, damping, drag, hold, gravity
-//!   + sum_k  1/2 beta_k |omega_k - omega_k-1|^2 + h^2 M_k . (omega_k - omega_k-1)    bending and twist
+//! ```text
+//!   sum_j  1/2 d_j |dx_j|^2 - r_j . dx_j                          inertia, damping, drag, hold, gravity
+//! + sum_k  1/2 beta_k |omega_k - omega_k-1|^2 + h^2 M_k . (omega_k - omega_k-1)    bending and twist
+//! ```
 //!
 //! with dx_k+1 = dx_k + omega_k x e_k. It is solved exactly in two sweeps: from tip to root every edge is eliminated, which
 //! leaves an articulated inertia (Featherstone 1983) of what is above; from root to tip the rotations follow. Therefore

@@ -69,7 +69,7 @@ impl Solver {
             On::Cpu => {
                 let mut solver = CpuSolver::new(&guides, field, settings);
                 for (layer_idx, binding) in subject.bindings.iter().enumerate() {
-                    solver.set_ties(layer_idx, &binding.guide_ties);
+                    solver.set_ties(layer_idx, &binding.guide_ties());
                 }
                 solver.set_head_pose(world_from_head);
                 solver.reset();
@@ -78,7 +78,7 @@ impl Solver {
             On::Gpu(gpu) => {
                 let mut solver = GpuSolver::new(&gpu, &shader_library()?, &guides, field, settings)?;
                 for (layer_idx, binding) in subject.bindings.iter().enumerate() {
-                    solver.set_ties(layer_idx, &binding.guide_ties);
+                    solver.set_ties(layer_idx, &binding.guide_ties());
                 }
                 solver.set_head_pose(world_from_head);
                 solver.reset();

@@ -130,7 +130,7 @@ impl Player {
             before.len() == gear.bindings.len() && pairs.into_iter().all(|(a, b)| Arc::ptr_eq(a, b) || is_alike(a, b))
         };
         let has_same_guides = all_alike(|a, b| a.guides == b.guides);
-        let has_same_ties = all_alike(|a, b| a.guide_ties == b.guide_ties);
+        let has_same_ties = all_alike(|a, b| a.guide_ties() == b.guide_ties());
         if has_same_guides && has_same_ties && has_same_frames {
             return Ok(());
         }
@@ -155,7 +155,7 @@ impl Player {
             self.moving = Some(next);
         } else if let Some(moving) = &mut self.moving {
             for (layer_idx, binding) in gear.bindings.iter().enumerate() {
-                moving.solver.set_ties(layer_idx, &binding.guide_ties);
+                moving.solver.set_ties(layer_idx, &binding.guide_ties());
             }
         }
         Ok(())
@@ -365,7 +365,7 @@ impl Player {
         let settings = self.score.course.settings.clone();
         let mut solver = GpuSolver::new(gear.gpu, gear.library, &guides, gear.field, &settings)?;
         for (layer_idx, binding) in gear.bindings.iter().enumerate() {
-            solver.set_ties(layer_idx, &binding.guide_ties);
+            solver.set_ties(layer_idx, &binding.guide_ties());
         }
         solver.set_head_pose(world_from_head);
         solver.reset();

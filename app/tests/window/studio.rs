@@ -175,7 +175,8 @@ impl<'a> Studio<'a> {
         self.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
         self.type_text(name);
         self.key("Return");
-        self.wait("no palette", |state| state["palette"] == false);
+        // Keys go to the palette's field for as long as it has the focus.
+        self.wait("no palette", |state| state["palette"] == false && state["typing"] == false);
     }
 
     /// Answer the studio's own file dialog with a path.
