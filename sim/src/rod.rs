@@ -13,7 +13,7 @@
 //! with dx_k+1 = dx_k + omega_k x e_k. It is solved exactly in two sweeps: from tip to root every edge is eliminated, which
 //! leaves an articulated inertia (Featherstone 1983) of what is above; from root to tip the rotations follow. Therefore
 //! nothing depends on iterations, stiffness costs nothing, and no step is too long: a cantilever hangs as the elastica
-//! does at 30 steps a second as at 960, with 16 vertices as with 64 (sim/tests/solver/laws.rs).
+//! does at 30 steps a second as at 960, with 16 vertices as with 64 (sim/tests/solver/rods.rs).
 //!
 //! **Bending and twist.** The energy of joint k is 4 B/l (1 - w), where w is the real part of the rotation by which the
 //! joint differs from its rest: B/l theta^2 / 2 for small angles theta, and a moment that grows up to half a turn. Twist is

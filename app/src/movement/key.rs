@@ -12,7 +12,7 @@ pub fn key_of(subject: &Subject, course: &Course, movement: &Movement) -> u128 {
     for binding in &subject.bindings {
         key.word(binding.guides.n_vertices);
         key.floats(binding.guides.positions.iter().flat_map(glam::Vec3::to_array));
-        key.floats(binding.guide_ties().into_iter());
+        key.floats(binding.guide_ties());
     }
     if let Some(field) = &subject.field {
         key.floats(field.min.to_array().into_iter().chain([field.cell]));
