@@ -41,6 +41,8 @@ const MOST: u32 = 64u;
 
 // Places of the vertices now, one a thread.
 var<workgroup> x_of: array<vec3<f32>, MOST>;
+// How far the local shape would move them.
+var<workgroup> turn_of: array<vec3<f32>, MOST>;
 // Of each strand of the workgroup.
 var<workgroup> is_broken: array<atomic<u32>, MOST>;
 
@@ -72,17 +74,22 @@ fn lengths(lane: u32, k: u32, is_here: bool, rest_length: f32, batch: u32) {
     workgroupBarrier();
 }
 
-// Towards the local shape, all at once from where the vertices were before.
-fn angles(lane: u32, is_free: bool, rest_below: vec3<f32>, rest_edge: vec3<f32>) {
-    var moved = vec3<f32>(0.0);
+// Towards the local shape, all at once from where the vertices were before; both ends of an edge move.
+fn angles(lane: u32, is_free: bool, is_tip: bool, rest_below: vec3<f32>, rest_edge: vec3<f32>) {
+    var turn = vec3<f32>(0.0);
     if is_free {
         let joint = x_of[lane - 1u];
         let goal = joint + rotate(shortest_turn(rest_below, joint - x_of[lane - 2u]), rest_edge);
-        moved = x_of[lane] + chain.shape * (goal - x_of[lane]);
+        turn = 0.5 * chain.shape * (goal - x_of[lane]);
     }
+    turn_of[lane] = turn;
     workgroupBarrier();
     if is_free {
-        x_of[lane] = moved;
+        var above = vec3<f32>(0.0);
+        if !is_tip {
+            above = turn_of[lane + 1u];
+        }
+        x_of[lane] += turn - above;
     }
     workgroupBarrier();
 }
@@ -139,7 +146,7 @@ fn advance(
         for (var iteration = 0u; iteration < chain.n_iterations; iteration++) {
             lengths(lane, k, is_here, rest_length, 0u);
             lengths(lane, k, is_here, rest_length, 1u);
-            angles(lane, is_free, turned_below, turned_edge);
+            angles(lane, is_free, k + 1u == n, turned_below, turned_edge);
             if is_free {
                 let contact = contact_collide(x_of[lane], prev, place.w, along, before, after);
                 x_of[lane] = contact.x;

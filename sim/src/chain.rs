@@ -146,20 +146,25 @@ fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], batch: usize) {
     }
 }
 
-/// Towards the local shape: each vertex to where the turn of the edge two below would take it. All at once, from where they
-/// were before.
+/// Towards the local shape: where the turn of the edge below would take the edge above it. All at once, from where vertices
+/// were before; both ends of an edge move, so that the strand as a whole does not: a strand whose upper ends alone are
+/// moved whips itself up (measured: a slow shake stretched it by a fifth).
 fn angles(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, after: Pose) {
-    let (mut below, mut joint) = (Vec3::ZERO, Vec3::ZERO);
-    for k in 0..s.len() {
-        let x = s[k].x.xyz();
-        if k >= N_PINNED {
+    let turns: Vec<Vec3> = (0..s.len())
+        .map(|k| {
+            if k < N_PINNED {
+                return Vec3::ZERO;
+            }
             let rest_below = rotate(after.rotation, rest[k - 1].place.xyz() - rest[k - 2].place.xyz());
             let rest_edge = rotate(after.rotation, rest[k].place.xyz() - rest[k - 1].place.xyz());
-            let target = joint + rotate(shortest_turn(rest_below, joint - below), rest_edge);
-            s[k].x = (x + p.shape * (target - x)).extend(0.0);
-        }
-        below = joint;
-        joint = x;
+            let (below, joint) = (s[k - 2].x.xyz(), s[k - 1].x.xyz());
+            let goal = joint + rotate(shortest_turn(rest_below, joint - below), rest_edge);
+            0.5 * p.shape * (goal - s[k].x.xyz())
+        })
+        .collect();
+    for k in N_PINNED..s.len() {
+        let above = turns.get(k + 1).copied().unwrap_or(Vec3::ZERO);
+        s[k].x += (turns[k] - above).extend(0.0);
     }
 }
 

@@ -4,7 +4,7 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::collider::{Attachment, Collider};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
-use lorelei_core::simulation::{Pearl, SimulationSettings, Volume};
+use lorelei_core::simulation::{Pearl, SimulationSettings, Solver, Volume};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
 
@@ -112,6 +112,48 @@ fn twins_agree_on_crowded_hair() {
             assert!(apart < 2e-3, "{volume:?}, frame {frame}: {apart} cm");
         }
     }
+}
+
+#[test]
+fn chains_agree_and_keep_what_chains_can() {
+    let settings = SimulationSettings {
+        solver: Solver::Chains,
+        n_iterations: 8,
+        wind_speed: 200.0,
+        ..SimulationSettings::default()
+    };
+    // Two and five strands to a workgroup, and more guides than workgroups have room for evenly.
+    let (long, short) = (draped(25, 32, 20.0, 0.2), draped(33, 12, 6.0, 0.0));
+    let mut twins = Twins::new(&[&long, &short], &settings);
+    for frame in 1..=12 {
+        let pose = Motion::Shake.pose(frame as f32 / 60.0, Vec3::NEG_Y * 8.0);
+        twins.advance(1.0 / 60.0, &pose);
+        let apart = [0, 1].map(|layer_idx| twins.farthest_apart(layer_idx));
+        println!("frame {frame}: {apart:?} cm");
+        assert!(apart[0].max(apart[1]) < 1e-3, "frame {frame}: {apart:?} cm");
+    }
+    let (on_cpu, on_gpu) = (twins.cpu_solver.measure(), twins.gpu_solver.measure().unwrap());
+    println!("{on_cpu:?}");
+    for measure in [on_cpu, on_gpu] {
+        assert!(measure.length_error_rms < 0.05 && measure.penetration_max_cm < 0.1, "{measure:?}");
+        assert!(measure.n_not_finite == 0 && measure.speed_max > 1.0, "{measure:?}");
+    }
+}
+
+#[test]
+fn a_broken_chain_starts_again_from_rest_and_its_neighbours_go_on() {
+    let settings = SimulationSettings { solver: Solver::Chains, ..SimulationSettings::default() };
+    let guides = draped(5, 16, 12.0, 0.0);
+    let mut twins = Twins::new(&[&guides], &settings);
+    let mut x = guides.positions.clone();
+    x[16 + 7] = Vec3::NAN;
+    twins.cpu_solver.set_state(0, &x, &x);
+    twins.gpu_solver.set_state(0, &x, &x);
+    twins.advance(1.0 / 60.0, &Affine3A::IDENTITY);
+    let on_gpu = twins.on_gpu(0, x.len());
+    assert!(on_gpu.iter().all(|x| x.is_finite()) && twins.farthest_apart(0) < 1e-3);
+    assert!(on_gpu[16..32].iter().zip(&guides.positions[16..32]).all(|(x, rest)| x.distance(*rest) < 1e-4));
+    assert!(on_gpu[15].distance(guides.positions[15]) > 1e-4, "a neighbour in the same workgroup has moved");
 }
 
 #[test]
