@@ -175,8 +175,7 @@ impl<'a> Studio<'a> {
         self.wait("the palette", |state| state["palette"] == true && state["typing"] == true);
         self.type_text(name);
         self.key("Return");
-        // Keys go to the palette's field for as long as it has the focus.
-        self.wait("no palette", |state| state["palette"] == false && state["typing"] == false);
+        self.wait("no palette", |state| state["palette"] == false);
     }
 
     /// Answer the studio's own file dialog with a path.

@@ -51,7 +51,10 @@ fn time_is_scrubbed_looped_simulated_and_taken_over_with_real_events() {
 
     // Another movement is a step, and its frames are others; the range is simulated in the background.
     studio.command("head nods");
-    studio.wait("a nod", |state| state["timeline"]["motion"] == "Nod" && state["playing"] == true);
+    // Keys go to the palette's field for as long as it has the focus.
+    studio.wait("a nod", |state| {
+        state["timeline"]["motion"] == "Nod" && state["playing"] == true && state["typing"] == false
+    });
     studio.key("space");
     studio.wait("a pause", |state| state["playing"] == false);
     studio.key("ctrl+r");
