@@ -3,7 +3,7 @@
 //! Vertices are equal masses, integrated by Verlet's rule and then corrected in position, iteration by iteration (SIGGRAPH
 //! 2010 course on real-time hair, "one simulation step"; Chen 2014, 3.2; the Nalu demo): lengths in two batches whose edges
 //! share no vertex, angular constraints towards the local shape at rest, contacts. Every vertex of a batch can be moved at
-//! once, so on the GPU a workgroup takes a strand and a thread a vertex.
+//! once, so on the GPU a thread takes a vertex, and a workgroup as many strands as have room.
 //!
 //! It is what it is: a pull spreads by two vertices an iteration, so long chains stretch when shaken; stiffness depends on
 //! iterations and step; and the style sags where the shape is weak. Rods are the default for those reasons.
@@ -14,11 +14,8 @@ use lorelei_core::simulation::SimulationSettings;
 use crate::air::Air;
 use crate::bounded;
 use crate::contact::Obstacles;
-use crate::pose::{Pose, normalize_or_zero, rotate, shortest_turn};
-use crate::rod::N_PINNED;
-
-/// Faster hair is not seen, only missed: cm/s.
-const MAX_SPEED: f32 = 3000.0;
+use crate::pose::{Pose, clamp_length, normalize_or_zero, rotate, shortest_turn};
+use crate::rod::{MAX_SPEED, N_PINNED};
 
 /// [`SimulationSettings`] made ready for steps. Layout of `ChainParams` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -181,9 +178,4 @@ pub fn recover(s: &mut [ChainVertex], rest: &[ChainRest], after: Pose) {
     for (vertex, rest) in s.iter_mut().zip(rest) {
         *vertex = at_rest(rest.place, after);
     }
-}
-
-fn clamp_length(v: Vec3, max: f32) -> Vec3 {
-    let length = v.length();
-    if length > max { v * (max / length) } else { v }
 }

@@ -92,3 +92,9 @@ pub fn normalize_or_zero(v: Vec3) -> Vec3 {
     let length = v.length();
     if length > 1e-9 { v / length } else { Vec3::ZERO }
 }
+
+/// `v`, no longer than `max`. Twin of the one in `sim_frame.wgsl`.
+pub fn clamp_length(v: Vec3, max: f32) -> Vec3 {
+    let length = v.length();
+    if length > max { v * (max / length) } else { v }
+}

@@ -39,7 +39,7 @@ use lorelei_core::simulation::SimulationSettings;
 use crate::air::Air;
 use crate::bounded;
 use crate::contact::Obstacles;
-use crate::pose::{Pose, rotate, shortest_turn};
+use crate::pose::{Pose, clamp_length, rotate, shortest_turn};
 use crate::rest::Exposure;
 
 /// Vertices at the root that follow the head: the root, and the next one for the growing direction.
@@ -57,7 +57,7 @@ const REACHES: usize = 8;
 /// An edge stretched by an obstacle to this many times its length is held.
 const HELD: f32 = 1.2;
 /// Faster hair is not seen, only missed: cm/s.
-const MAX_SPEED: f32 = 3000.0;
+pub(crate) const MAX_SPEED: f32 = 3000.0;
 /// Most that an edge turns relative to the head in a step, radians.
 const MAX_TURN: f32 = 1.0;
 /// Turns below this are rounding, not movement (measured at rest: 3e-7), radians a step.
@@ -507,9 +507,4 @@ fn inverse_symmetric(m: Mat3) -> Mat3 {
     let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
     let scale = 1.0 / x.dot(yz);
     Mat3::from_cols(scale * yz, scale * zx, scale * xy).transpose()
-}
-
-fn clamp_length(v: Vec3, max: f32) -> Vec3 {
-    let length = v.length();
-    if length > max { v * (max / length) } else { v }
 }
