@@ -128,7 +128,7 @@ impl GuideSet {
 
 /// Parameters of `n_segments + 1` samples over `n_gaps` gaps of length 1: every gap's ends are samples, and no gap
 /// has more than one part more than another. One sample at 0 repeated where there is no gap.
-fn divide_gaps(n_gaps: usize, n_segments: usize) -> Vec<f32> {
+pub(crate) fn divide_gaps(n_gaps: usize, n_segments: usize) -> Vec<f32> {
     if n_gaps == 0 {
         return vec![0.0; n_segments + 1];
     }

@@ -30,6 +30,7 @@ pub mod mean_value;
 pub mod mesh;
 pub mod mesh_query;
 pub mod motion;
+pub mod moved;
 pub mod panorama;
 pub mod point_grid;
 pub mod record;

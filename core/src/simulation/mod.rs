@@ -27,6 +27,15 @@ choices! {
 }
 
 choices! {
+    /// What of the hair the law moves.
+    Moved {
+        Guides = "guides", "Guides", "Each guide by itself; strands are blended between guides";
+        Mesh = "mesh", "Hair mesh", "The edges that lead from layer to layer of a hair mesh: a few stiff links a lock, cheapest, and locks stay whole";
+        Strands = "strands", "Every strand", "Each strand that is drawn, with its own curl: for a fast graphics card";
+    }
+}
+
+choices! {
     /// What the style is.
     RestShape {
         Hanging = "hanging", "As it hangs", "Under gravity: the style stays as it is while the head is still";
@@ -74,6 +83,7 @@ choices! {
 #[serde(default)]
 pub struct SimulationSettings {
     pub solver: Solver,
+    pub moved: Moved,
     pub wind: Wind,
     /// Solver steps a second; independent of the frame rate.
     pub steps_per_second: f32,
@@ -134,6 +144,7 @@ impl Default for SimulationSettings {
     fn default() -> Self {
         Self {
             solver: Solver::Rods,
+            moved: Moved::Guides,
             wind: Wind::Uniform,
             steps_per_second: 240.0,
             n_iterations: 3,
@@ -388,6 +399,13 @@ impl SimulationSettings {
                 help: "How the hair moves",
                 choice: &mut self.solver,
                 params: solver,
+            },
+            Slot {
+                key: "moved",
+                label: "What moves",
+                help: "Guides, the hair mesh, or every strand by itself",
+                choice: &mut self.moved,
+                params: Vec::new(),
             },
             Slot {
                 key: "wind",
