@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use crate::binding::LayerBinding;
-use crate::curve::catmull_rom_weights;
+use crate::curve::{catmull_rom, catmull_rom_weights};
 use crate::distance_field::DistanceField;
 use crate::generate::{Pose, generate};
 use crate::groom::{Layer, Source};
@@ -47,6 +47,8 @@ pub struct Spline {
     pub n_vertices: u32,
     pub first_rows: Vec<u32>,
     pub rows: Vec<SplineRow>,
+    /// Where each vertex of a curve is along its guide, in the guide's vertices; a run for every height of bundle.
+    samples: Vec<f32>,
 }
 
 /// Vertices of a curve, counted from its root, and their weights.
@@ -96,6 +98,18 @@ impl MovedHair {
         Self { curves: GuideSet { n_vertices, positions: strands.points }, ties, follow: Follow::Strands }
     }
 
+    /// The curves of guides, or of strands, that are at `shown`: the inverse of following, as far as there is one.
+    pub fn curves_of(&self, shown: &[Vec3]) -> Vec<Vec3> {
+        let Follow::Spline(spline) = &self.follow else { return shown.to_vec() };
+        let (n_guide, n_curve) = (spline.n_vertices as usize, self.curves.n_vertices as usize);
+        let of_guide = |(guide, &first): (&[Vec3], &u32)| {
+            let height = first as usize / n_guide;
+            let samples = spline.samples[height * n_curve..(height + 1) * n_curve].iter();
+            samples.map(|&at| catmull_rom(guide, at)).collect::<Vec<_>>()
+        };
+        shown.chunks_exact(n_guide).zip(&spline.first_rows).flat_map(of_guide).collect()
+    }
+
     /// Vertices of what is drawn from: guides, or strands.
     pub fn n_shown(&self) -> usize {
         match &self.follow {
@@ -113,11 +127,11 @@ fn joints_of(mesh: &HairMesh, chains: &Chains, n_guide: u32) -> (GuideSet, Splin
     let n_vertices = n_gaps_most as u32 + 2;
     let mut positions = Vec::with_capacity(chains.chains.len() * n_vertices as usize);
     for chain in &chains.chains {
-        let joints: Vec<Vec3> =
-            chain.iter().zip(&mesh.layers).map(|(&v, layer)| layer.positions[v as usize]).collect();
-        positions.extend(parameters_of[joints.len() - 1].iter().map(|&u| crate::curve::catmull_rom(&joints, u)));
+        let joints: Vec<Vec3> = chain.iter().zip(&mesh.layers).map(|(&v, layer)| layer.positions[v as usize]).collect();
+        positions.extend(parameters_of[joints.len() - 1].iter().map(|&u| catmull_rom(&joints, u)));
     }
     let mut rows = Vec::with_capacity((n_gaps_most + 1) * n_guide as usize);
+    let mut samples = Vec::with_capacity((n_gaps_most + 1) * n_vertices as usize);
     for (n_gaps, parameters) in parameters_of.iter().enumerate() {
         let joint = |k: usize| {
             let at = parameters.iter().position(|&u| u >= k as f32);
@@ -126,9 +140,10 @@ fn joints_of(mesh: &HairMesh, chains: &Chains, n_guide: u32) -> (GuideSet, Splin
         let joints: Vec<u32> = (0..=n_gaps).map(joint).collect();
         let of_guide = divide_gaps(n_gaps, n_guide.max(2) as usize - 1);
         rows.extend(of_guide.iter().map(|&u| row_at(&joints, u)));
+        samples.extend(parameters.iter().map(|&u| sample_at(&of_guide, u)));
     }
     let first_rows = chains.chains.iter().map(|chain| (chain.len() as u32 - 1) * n_guide).collect();
-    (GuideSet { n_vertices, positions }, Spline { n_vertices: n_guide, first_rows, rows })
+    (GuideSet { n_vertices, positions }, Spline { n_vertices: n_guide, first_rows, rows, samples })
 }
 
 /// Parameters of a chain's vertices, in gaps: root, the way out of the scalp, and on, joints among them.
@@ -136,6 +151,14 @@ fn with_root(n_gaps: usize, n_gaps_most: usize) -> Vec<f32> {
     let mut parameters = divide_gaps(n_gaps, n_gaps_most);
     parameters.insert(1, ROOT_SHARE * parameters[1]);
     parameters
+}
+
+/// Where `u` is among rising `parameters`, in their indices.
+fn sample_at(parameters: &[f32], u: f32) -> f32 {
+    let above = parameters.iter().position(|&at| at >= u).unwrap_or(parameters.len() - 1);
+    let Some(below) = above.checked_sub(1) else { return 0.0 };
+    let gap = parameters[above] - parameters[below];
+    below as f32 + if gap > 0.0 { ((u - parameters[below]) / gap).min(1.0) } else { 1.0 }
 }
 
 /// The Catmull-Rom spline through `joints` at `u`, beyond whose ends it is mirrored: as [`crate::curve::catmull_rom`].
@@ -198,6 +221,10 @@ mod tests {
             assert!(place.distance(*expected) < 1e-5, "guide {guide}, vertex {k}: {place} {expected}");
             assert!((row.weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
         }
+        // And back: joints are vertices of their guide, others lie on the spline through it.
+        let curves = moved.curves_of(&binding.guides.positions);
+        let farthest = curves.iter().zip(&moved.curves.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        assert!(farthest < 0.01 && curves.len() == moved.curves.positions.len(), "{farthest} cm");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
+use lorelei_core::moved::{Follow, MovedHair, Spline};
 use lorelei_core::simulation::SimulationSettings;
 
 use crate::air::{AirFrame, CpuAir, HairAmount};
 use crate::clock::{Clock, Frame};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
+use crate::follow::follow_curves;
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
@@ -20,6 +22,8 @@ use crate::wind::cpu::HairLayer;
 /// Rest state in, positions out. Cannot fail.
 pub struct CpuSolver {
     layers: Vec<SimulatedLayer>,
+    /// Of every layer: its guides, where what moves are others, and where they are shown.
+    followed: Vec<Option<(Spline, Vec<Vec4>)>>,
     /// Of every layer.
     hair: Vec<HairAmount>,
     field: Option<DistanceField>,
@@ -43,6 +47,7 @@ impl CpuSolver {
         Self {
             hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest)),
             air: CpuAir::default(),
+            followed: vec![None; layers.len()],
             layers,
             field: field.cloned(),
             capsules,
@@ -50,6 +55,29 @@ impl CpuSolver {
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose,
+        }
+    }
+
+    /// The same with each layer's ties, and with what follows what moves.
+    pub fn of_hair(hair: &[MovedHair], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
+        let curves: Vec<&GuideSet> = hair.iter().map(|hair| &hair.curves).collect();
+        let mut solver = Self::new(&curves, field, settings);
+        for (layer_idx, hair) in hair.iter().enumerate() {
+            solver.set_ties(layer_idx, &hair.ties);
+            if let Follow::Spline(spline) = &hair.follow {
+                solver.followed[layer_idx] = Some((spline.clone(), Vec::new()));
+            }
+        }
+        solver.follow();
+        solver
+    }
+
+    /// Let guides follow what has moved.
+    fn follow(&mut self) {
+        for (layer, followed) in self.layers.iter().zip(&mut self.followed) {
+            if let Some((spline, shown)) = followed {
+                *shown = follow_curves(spline, layer.rest.n_vertices, &layer.shown);
+            }
         }
     }
 
@@ -135,16 +163,19 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.reset(self.pose);
         }
+        self.follow();
     }
 
-    /// World positions of a layer's guides as the picture shows them, vertex `k` of guide `g` at `g * n_vertices + k`.
+    /// World positions of a layer's guides, or of its strands where those are moved, as the picture shows them: vertex `k`
+    /// of guide `g` at `g * n_vertices + k`.
     pub fn positions(&self, layer_idx: usize) -> &[Vec4] {
-        &self.layers[layer_idx].shown
+        self.followed[layer_idx].as_ref().map_or(&self.layers[layer_idx].shown, |(_, shown)| shown)
     }
 
     /// Set the state: positions now and one step ago, world.
     pub fn set_state(&mut self, layer_idx: usize, x: &[Vec3], prev: &[Vec3]) {
         self.layers[layer_idx].put(x, prev);
+        self.follow();
     }
 
     /// Everything that the solver goes on from.
@@ -167,6 +198,7 @@ impl CpuSolver {
             layer.set_state_vec4s(&arrays[0]);
             layer.shown.clone_from(&arrays[1]);
         }
+        self.follow();
         true
     }
 
@@ -204,6 +236,7 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.run(&air, obstacles, frame);
         }
+        self.follow();
     }
 }
 

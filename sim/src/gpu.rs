@@ -7,12 +7,14 @@
 use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
+use lorelei_core::moved::{Follow, MovedHair};
 use lorelei_core::simulation::{SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
 use crate::air::{AirFrame, GpuAir, HairAmount, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
+use crate::follow::Followed;
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
@@ -60,6 +62,8 @@ struct Layer {
     /// What the sweeps of a rod hand on to each other.
     eliminated: wgpu::Buffer,
     positions: wgpu::Buffer,
+    /// The guides, where what moves are others.
+    followed: Option<Followed>,
 }
 
 impl Layer {
@@ -71,6 +75,7 @@ impl Layer {
             state: gpu.buffer_of("sim.state", model.state_vec4s(), read_back),
             eliminated: gpu.buffer("sim.eliminated", ELIMINATED_BYTES * model.rest.vertices.len() as u64, storage),
             positions: gpu.buffer_of("sim.positions", &model.shown, read_back),
+            followed: None,
             model,
         }
     }
@@ -81,6 +86,9 @@ impl Layer {
             if !contents.is_empty() {
                 gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
             }
+        }
+        if let Some(followed) = &self.followed {
+            followed.send(gpu, &self.model.shown);
         }
     }
 }
@@ -96,6 +104,8 @@ pub struct GpuSolver {
     gpu: Gpu,
     library: ShaderLibrary,
     kernel: Kernel,
+    /// Where some layer's guides follow other curves.
+    follow: Option<Kernel>,
     layers: Vec<Layer>,
     /// Of every layer.
     hair: Vec<HairAmount>,
@@ -127,6 +137,7 @@ impl GpuSolver {
         let values = field.map_or(&[][..], |field| &field.values);
         Ok(Self {
             kernel,
+            follow: None,
             hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest)),
             air: GpuAir::default(),
             layers,
@@ -140,6 +151,29 @@ impl GpuSolver {
             gpu: gpu.clone(),
             library: library.clone(),
         })
+    }
+
+    /// The same with each layer's ties, and with what follows what moves.
+    pub fn of_hair(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        hair: &[MovedHair],
+        field: Option<&DistanceField>,
+        settings: &SimulationSettings,
+    ) -> Result<Self, ShaderError> {
+        let curves: Vec<&GuideSet> = hair.iter().map(|hair| &hair.curves).collect();
+        let mut solver = Self::new(gpu, library, &curves, field, settings)?;
+        for (layer_idx, hair) in hair.iter().enumerate() {
+            solver.set_ties(layer_idx, &hair.ties);
+            if let Follow::Spline(spline) = &hair.follow {
+                if solver.follow.is_none() {
+                    solver.follow = Some(library.kernel(gpu, "sim_follow", "follow_curves", &[], &[])?);
+                }
+                let layer = &mut solver.layers[layer_idx];
+                layer.followed = Some(Followed::new(gpu, spline, hair.curves.n_vertices, &layer.model.shown));
+            }
+        }
+        Ok(solver)
     }
 
     /// The movement goes on with other settings; under another law it starts again from rest. Fails where a shader that
@@ -159,7 +193,10 @@ impl GpuSolver {
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, settings);
         for layer in &mut self.layers {
             if is_other_law {
+                let followed = layer.followed.take();
                 *layer = Layer::new(&self.gpu, layer.model.under(obstacles, settings, self.pose));
+                layer.followed = followed;
+                layer.send_state(&self.gpu);
             } else if layer.model.set_settings(obstacles, are_moved, settings, self.pose) {
                 self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
             }
@@ -235,10 +272,11 @@ impl GpuSolver {
         }
     }
 
-    /// World positions of a layer's guides as the picture shows them: `array<vec4<f32>>`, vertex `k` of guide `g` at
-    /// `g * n_vertices + k`; w is 0.
+    /// World positions of a layer's guides, or of its strands where those are moved, as the picture shows them:
+    /// `array<vec4<f32>>`, vertex `k` of guide `g` at `g * n_vertices + k`; w is 0.
     pub fn positions(&self, layer_idx: usize) -> &wgpu::Buffer {
-        &self.layers[layer_idx].positions
+        let layer = &self.layers[layer_idx];
+        layer.followed.as_ref().map_or(&layer.positions, |followed| &followed.positions)
     }
 
     pub fn n_layers(&self) -> usize {
@@ -279,10 +317,11 @@ impl GpuSolver {
         true
     }
 
-    /// World positions of a layer's guides as of the commands that were submitted. Waits for the GPU.
+    /// [`GpuSolver::positions`] as of the commands that were submitted. Waits for the GPU.
     pub fn read_positions(&self, layer_idx: usize) -> Result<Vec<Vec4>, GpuError> {
         let layer = &self.layers[layer_idx];
-        self.read_vec4s(&layer.positions, layer.model.shown.len())
+        let n_vertices = layer.followed.as_ref().map_or(layer.model.shown.len(), Followed::n_shown);
+        self.read_vec4s(self.positions(layer_idx), n_vertices)
     }
 
     /// A buffer without what it has room for beyond `n`.
@@ -353,6 +392,11 @@ impl GpuSolver {
             match self.settings.solver {
                 Solver::Rods => self.kernel.dispatch_items(&mut pass, bindings, *n_guides),
                 Solver::Chains => self.kernel.dispatch(&mut pass, bindings, grid_1d(*n_guides, *n_strands)),
+            }
+        }
+        for layer in &self.layers {
+            if let (Some(followed), Some(kernel)) = (&layer.followed, &self.follow) {
+                followed.record(&self.gpu, kernel, &mut pass, &layer.positions)?;
             }
         }
         Ok(())

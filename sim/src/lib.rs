@@ -1,7 +1,8 @@
 //! Strand dynamics: the CPU reference solver and the GPU solver, side by side.
 //!
 //! A strand moves by one of two laws: [`rod`], which `sim_rod.wgsl` follows function by function, and the references'
-//! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`clock`] cuts frames into steps of one length, [`contact`]
+//! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`follow`]
+//! draws guides through a hair mesh's moved chains, [`clock`] cuts frames into steps of one length, [`contact`]
 //! keeps hair out of head and colliders, [`volume`] is what hair does to hair, [`air`] is the wind and [`wind`] its grid, and
 //! [`measure`] says how well the laws are kept.
 
@@ -11,6 +12,7 @@ pub mod chain;
 pub mod clock;
 pub mod contact;
 pub mod cpu;
+pub mod follow;
 pub mod gpu;
 pub mod layer;
 pub mod measure;

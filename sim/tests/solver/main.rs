@@ -3,6 +3,7 @@
 mod contacts;
 mod grooms;
 mod laws;
+mod moved;
 mod rods;
 mod strands;
 mod twins;
