@@ -7,6 +7,7 @@
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
 #import lorelei::sim_contact::{contact_collide, contact_step}
 #import lorelei::sim_air::air_velocity
+#import lorelei::sim_pull::pull_on
 
 struct ChainParams {
     gravity_step: vec3<f32>,
@@ -34,6 +35,7 @@ struct ChainVertex {
 
 // Most vertices of a strand: guides have no more.
 const MOST: u32 = 64u;
+const PULL_SPEED: f32 = 60.0;
 
 @group(0) @binding(auto) var<storage, read> chain: ChainParams;
 @group(0) @binding(auto) var<storage, read> rest: array<ChainRest>;
@@ -58,7 +60,11 @@ fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose,
     v += chain.take_up * (at.numbers.y * chain.step_secs * air_velocity(x) - v);
     let moved = x + clamp_length(v, MAX_SPEED * chain.step_secs) + chain.gravity_step;
     let stiffness = at.numbers.x * chain.step_secs * chain.step_secs;
-    return moved + (styled - moved) * (stiffness / (1.0 + stiffness));
+    let held = moved + (styled - moved) * (stiffness / (1.0 + stiffness));
+    let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, x + with_head, after);
+    let pulled = pull.w * chain.step_secs * chain.step_secs;
+    let led = x + with_head + clamp_length(pull.xyz, PULL_SPEED * chain.step_secs);
+    return held + (led - held) * (pulled / (1.0 + pulled));
 }
 
 // Lengths of every second edge: the thread of an edge's upper vertex moves both of its ends.

@@ -2,6 +2,7 @@
 #define_import_path lorelei::sim_frame
 
 #import lorelei::sim_pose::{Pose, pose_apply}
+#import lorelei::sim_pull::Pull
 
 struct FrameParams {
     n_guides: u32,
@@ -14,6 +15,7 @@ struct FrameParams {
     carry: Pose,
     // The head as the picture shows it.
     shown: Pose,
+    pull: Pull,
     // The head before the first step, then after each.
     poses: array<Pose, 65>,
 }

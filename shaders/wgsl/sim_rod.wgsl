@@ -6,6 +6,7 @@
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
 #import lorelei::sim_contact::{contact_collide, contact_keep_out, contact_step}
 #import lorelei::sim_air::air_velocity
+#import lorelei::sim_pull::pull_on
 
 struct RodParams {
     gravity: vec3<f32>,
@@ -150,13 +151,15 @@ fn sweep_to_root(before: Pose, after: Pose) {
         let exposed = rest[j].numbers.y;
         let mass = rest[j].numbers.z;
         let to_style = pose_apply(after, rest[j].place.xyz) - carried;
-        let force = rod.gravity + rotate(after.rotation, rest[j].support.xyz) + stiffness * to_style;
+        let pull = pull_on(asked.pull, k + 1u, asked.n_vertices, rest[j].place.xyz, carried, after);
+        let held = rod.gravity + rotate(after.rotation, rest[j].support.xyz) + stiffness * to_style;
+        let force = held + pull.w * pull.xyz;
         let blown = h * exposed * air_velocity(x) - (carried - x);
         let across = rod.damping + rod.drag;
         let along = rod.damping_along + DRAG_ALONG * rod.drag;
         let drag = rod.drag * (blown - (1.0 - DRAG_ALONG) * dot(t, blown) * t);
         let r = mass * (own + h * h * force + h * drag);
-        let d = mass * (1.0 + h * across + h * h * stiffness);
+        let d = mass * (1.0 + h * (across + sqrt(pull.w)) + h * h * (stiffness + pull.w));
         a += diagonal(d) + outer(t, mass * h * (along - across));
         px -= r;
         load += mass * (force - s[j].acceleration.xyz);

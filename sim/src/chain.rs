@@ -15,7 +15,13 @@ use crate::air::Air;
 use crate::bounded;
 use crate::contact::Obstacles;
 use crate::pose::{Pose, clamp_length, normalize_or_zero, rotate, shortest_turn};
+use crate::pull::PullParams;
 use crate::rod::{MAX_SPEED, N_PINNED};
+
+/// A hand leads a vertex no faster, cm/s, and gives it no velocity: as a force, or faster, it makes the chain swing about
+/// the hand for as long as it holds it (measured: edges 40 % too long). So a chain comes to the hand only where its weight
+/// and its shape let it.
+const PULL_SPEED: f32 = 60.0;
 
 /// [`SimulationSettings`] made ready for steps. Layout of `ChainParams` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -93,10 +99,11 @@ pub fn step_chain(
     p: &ChainParams,
     air: &Air,
     obstacles: Obstacles<'_>,
+    pull: &PullParams,
     before: Pose,
     after: Pose,
 ) {
-    integrate(s, rest, p, air, before, after);
+    integrate(s, rest, p, air, pull, before, after);
     for _ in 0..p.n_iterations {
         lengths(s, rest, 0);
         lengths(s, rest, 1);
@@ -111,9 +118,18 @@ pub fn step_chain(
 }
 
 /// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
-fn integrate(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, air: &Air, before: Pose, after: Pose) {
+fn integrate(
+    s: &mut [ChainVertex],
+    rest: &[ChainRest],
+    p: &ChainParams,
+    air: &Air,
+    pull: &PullParams,
+    before: Pose,
+    after: Pose,
+) {
+    let n = s.len();
     let carry = after.after_inverse_of(&before);
-    for k in 0..s.len() {
+    for k in 0..n {
         let x = s[k].x.xyz();
         let styled = after.apply(rest[k].place.xyz());
         let mut moved = styled;
@@ -125,6 +141,10 @@ fn integrate(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, air: &A
             moved = x + clamp_length(v, MAX_SPEED * p.step_secs) + Vec3::from_array(p.gravity_step);
             let stiffness = hold * p.step_secs * p.step_secs;
             moved += (styled - moved) * (stiffness / (1.0 + stiffness));
+            let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), x + with_head, after);
+            let pulled = strength * p.step_secs * p.step_secs;
+            let led = x + with_head + clamp_length(pull_way, PULL_SPEED * p.step_secs);
+            moved += (led - moved) * (pulled / (1.0 + pulled));
         }
         s[k].prev = s[k].x;
         s[k].x = moved.extend(0.0);

@@ -13,6 +13,7 @@ use crate::follow::follow_curves;
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
+use crate::pull::{Pull, PullParams};
 use crate::rest::Rest;
 use crate::state::SolverState;
 use crate::volume::VolumeGrid;
@@ -33,6 +34,7 @@ pub struct CpuSolver {
     clock: Clock,
     pose: Pose,
     air: CpuAir,
+    pull: Option<Pull>,
 }
 
 impl CpuSolver {
@@ -55,6 +57,7 @@ impl CpuSolver {
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose,
+            pull: None,
         }
     }
 
@@ -137,6 +140,11 @@ impl CpuSolver {
     /// Where the head is at the end of the next [`CpuSolver::advance`] or [`CpuSolver::step_once`].
     pub fn set_head_pose(&mut self, world_from_head: &Affine3A) {
         self.pose = Pose::new(world_from_head);
+    }
+
+    /// A hand holds hair from now on, or lets go.
+    pub fn set_pull(&mut self, pull: Option<Pull>) {
+        self.pull = pull;
     }
 
     /// Let time pass; returns the steps taken.
@@ -233,8 +241,9 @@ impl CpuSolver {
         });
         let hair: Vec<HairLayer<'_>> = hair.collect();
         let air = self.air.advance(air_frame, &rests, &hair);
+        let pull = PullParams::new(self.pull.as_ref(), frame.shown);
         for layer in &mut self.layers {
-            layer.run(&air, obstacles, frame);
+            layer.run(&air, obstacles, &pull, frame);
         }
         self.follow();
     }

@@ -18,6 +18,7 @@ use crate::follow::Followed;
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
+use crate::pull::{Pull, PullParams};
 use crate::rest::Rest;
 use crate::state::SolverState;
 use crate::volume::{GpuVolume, VolumeGrid, VolumeLayer};
@@ -50,6 +51,7 @@ struct FrameParams {
     pad: [u32; 3],
     carry: GpuPose,
     shown: GpuPose,
+    pull: PullParams,
     poses: [GpuPose; MAX_STEPS_PER_FRAME + 1],
 }
 
@@ -117,6 +119,7 @@ pub struct GpuSolver {
     clock: Clock,
     pose: Pose,
     air: GpuAir,
+    pull: Option<Pull>,
 }
 
 impl GpuSolver {
@@ -148,6 +151,7 @@ impl GpuSolver {
             settings: settings.clone(),
             clock: Clock::new(Pose::IDENTITY),
             pose: Pose::IDENTITY,
+            pull: None,
             gpu: gpu.clone(),
             library: library.clone(),
         })
@@ -242,6 +246,11 @@ impl GpuSolver {
     /// Where the head is at the end of the next [`GpuSolver::advance`] or [`GpuSolver::step_once`].
     pub fn set_head_pose(&mut self, world_from_head: &Affine3A) {
         self.pose = Pose::new(world_from_head);
+    }
+
+    /// A hand holds hair from now on, or lets go.
+    pub fn set_pull(&mut self, pull: Option<Pull>) {
+        self.pull = pull;
     }
 
     /// Record the passing of time; returns the steps taken.
@@ -421,6 +430,7 @@ impl GpuSolver {
             pad: [0; 3],
             carry: frame.carry.unwrap_or(Pose::IDENTITY).into(),
             shown: frame.shown.into(),
+            pull: PullParams::new(self.pull.as_ref(), frame.shown),
             poses,
         };
         let uniform = wgpu::BufferUsages::UNIFORM;

@@ -11,6 +11,7 @@ use crate::chain::{self, ChainParams, ChainRest, ChainVertex, step_chain};
 use crate::clock::Frame;
 use crate::contact::Obstacles;
 use crate::pose::Pose;
+use crate::pull::PullParams;
 use crate::rest::{Hold, Rest};
 use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodRest, RodVertex, step_rod};
 
@@ -203,7 +204,7 @@ impl SimulatedLayer {
     }
 
     /// All of a frame's steps. Twin of the entry points of `sim_rod.wgsl` and `sim_chain.wgsl`.
-    pub(crate) fn run(&mut self, air: &Air, obstacles: Obstacles<'_>, frame: &Frame) {
+    pub(crate) fn run(&mut self, air: &Air, obstacles: Obstacles<'_>, pull: &PullParams, frame: &Frame) {
         let n = self.rest.n_vertices as usize;
         if n < N_PINNED {
             return;
@@ -226,7 +227,7 @@ impl SimulatedLayer {
                                     vertex.begun = vertex.x;
                                 }
                             }
-                            step_rod(s, rest, params, air, obstacles, poses[0], poses[1], eliminated);
+                            step_rod(s, rest, params, air, obstacles, pull, poses[0], poses[1], eliminated);
                         }
                         rod::recover(s, rest, frame.poses[frame.n_steps()]);
                         show(shown, places, frame, |k| (s[k].x, s[k].begun));
@@ -244,7 +245,7 @@ impl SimulatedLayer {
                         for vertex in s.iter_mut() {
                             vertex.begun = vertex.x;
                         }
-                        step_chain(s, rest, params, air, obstacles, poses[0], poses[1]);
+                        step_chain(s, rest, params, air, obstacles, pull, poses[0], poses[1]);
                     }
                     chain::recover(s, rest, frame.poses[frame.n_steps()]);
                     show(shown, places, frame, |k| (s[k].x, s[k].begun));

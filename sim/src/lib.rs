@@ -3,7 +3,8 @@
 //! A strand moves by one of two laws: [`rod`], which `sim_rod.wgsl` follows function by function, and the references'
 //! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`follow`]
 //! draws guides through a hair mesh's moved chains, [`clock`] cuts frames into steps of one length, [`contact`]
-//! keeps hair out of head and colliders, [`volume`] is what hair does to hair, [`air`] is the wind and [`wind`] its grid, and
+//! keeps hair out of head and colliders, [`volume`] is what hair does to hair, [`pull`] a hand that holds some of it,
+//! [`air`] is the wind and [`wind`] its grid, and
 //! [`measure`] says how well the laws are kept.
 
 pub mod air;
@@ -17,6 +18,7 @@ pub mod gpu;
 pub mod layer;
 pub mod measure;
 pub mod pose;
+pub mod pull;
 pub mod rest;
 pub mod rod;
 pub mod state;
@@ -26,6 +28,7 @@ pub mod wind;
 pub use cpu::CpuSolver;
 pub use gpu::GpuSolver;
 pub use measure::{Measure, measure};
+pub use pull::Pull;
 pub use state::SolverState;
 
 /// A number from a file made harmless: what is not finite becomes the default, the rest is clamped.

@@ -40,6 +40,7 @@ use crate::air::Air;
 use crate::bounded;
 use crate::contact::Obstacles;
 use crate::pose::{Pose, clamp_length, rotate, shortest_turn};
+use crate::pull::PullParams;
 use crate::rest::Exposure;
 
 /// Vertices at the root that follow the head: the root, and the next one for the growing direction.
@@ -244,11 +245,12 @@ pub fn step_rod(
     p: &RodParams,
     air: &Air,
     obstacles: Obstacles<'_>,
+    pull: &PullParams,
     before: Pose,
     after: Pose,
     eliminated: &mut [Eliminated],
 ) {
-    sweep_to_root(s, rest, p, air, before, after, eliminated);
+    sweep_to_root(s, rest, p, air, pull, before, after, eliminated);
     sweep_to_tip(s, rest, p, before, after, eliminated);
     if collide(s, rest, obstacles, before, after) {
         close_lengths(s, rest, p, obstacles, after);
@@ -267,6 +269,7 @@ fn sweep_to_root(
     rest: &[RodRest],
     p: &RodParams,
     air: &Air,
+    pull: &PullParams,
     before: Pose,
     after: Pose,
     out: &mut [Eliminated],
@@ -292,12 +295,15 @@ fn sweep_to_root(
         let own = clamp_length(2.0 * x - s[j].prev.xyz() - carried, MAX_SPEED * h);
         let [stiffness, exposed, mass, _] = rest[j].numbers.to_array();
         let to_style = after.apply(rest[j].place.xyz()) - carried;
-        let force = gravity + rotate(after.rotation, rest[j].support.xyz()) + stiffness * to_style;
+        let (pull_way, pulled) = pull.on(j, n, rest[j].place.xyz(), carried, after);
+        let held = gravity + rotate(after.rotation, rest[j].support.xyz()) + stiffness * to_style;
+        let force = held + pulled * pull_way;
         let blown = h * exposed * air.velocity(x) - (carried - x);
         let (across, along) = (p.damping + p.drag, p.damping_along + DRAG_ALONG * p.drag);
         let drag = p.drag * (blown - (1.0 - DRAG_ALONG) * t.dot(blown) * t);
         let r = mass * (own + h * h * force + h * drag);
-        let d = mass * (1.0 + h * across + h * h * stiffness);
+        // A hand damps what it holds, half as much as would keep it from swinging.
+        let d = mass * (1.0 + h * (across + pulled.sqrt()) + h * h * (stiffness + pulled));
         a += Mat3::from_diagonal(Vec3::splat(d)) + outer(t, mass * h * (along - across));
         px -= r;
         load += mass * (force - s[j].acceleration.xyz());

@@ -4,6 +4,7 @@ mod contacts;
 mod grooms;
 mod laws;
 mod moved;
+mod pulls;
 mod rods;
 mod strands;
 mod twins;

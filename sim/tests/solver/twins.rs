@@ -10,14 +10,14 @@ use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
 
 use crate::grooms::{ball_field, draped};
 
-struct Twins {
+pub struct Twins {
     gpu: Gpu,
-    cpu_solver: CpuSolver,
-    gpu_solver: GpuSolver,
+    pub cpu_solver: CpuSolver,
+    pub gpu_solver: GpuSolver,
 }
 
 impl Twins {
-    fn new(guides: &[&GuideSet], settings: &SimulationSettings) -> Self {
+    pub fn new(guides: &[&GuideSet], settings: &SimulationSettings) -> Self {
         let gpu = Gpu::headless().unwrap();
         let field = ball_field();
         let library = ShaderLibrary::embedded();
@@ -25,7 +25,7 @@ impl Twins {
         Self { cpu_solver: CpuSolver::new(guides, Some(&field), settings), gpu_solver, gpu }
     }
 
-    fn advance(&mut self, frame_secs: f32, pose: &Affine3A) -> usize {
+    pub fn advance(&mut self, frame_secs: f32, pose: &Affine3A) -> usize {
         self.cpu_solver.set_head_pose(pose);
         self.gpu_solver.set_head_pose(pose);
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -40,7 +40,7 @@ impl Twins {
         read[..n].iter().map(|x| x.xyz()).collect()
     }
 
-    fn farthest_apart(&self, layer_idx: usize) -> f32 {
+    pub fn farthest_apart(&self, layer_idx: usize) -> f32 {
         let on_cpu = self.cpu_solver.positions(layer_idx);
         let on_gpu = self.on_gpu(layer_idx, on_cpu.len());
         on_cpu.iter().zip(&on_gpu).map(|(a, b)| a.xyz().distance(*b)).fold(0.0, f32::max)
