@@ -19,6 +19,8 @@ use crate::maps::MapKind;
 use crate::simulation::Moved;
 
 /// Curves that a solver moves.
+///
+/// Without ties nothing is tied.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MovedHair {
     /// At rest, head space.
@@ -89,7 +91,7 @@ impl MovedHair {
     }
 
     fn of_strands(layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
-        let n_vertices = layer.vertices_per_strand.clamp(4, MOST_VERTICES);
+        let n_vertices = moved_vertices(layer);
         let layer = Layer { vertices_per_strand: n_vertices, ..layer.clone() };
         let strands = generate(binding, &layer, &binding.guides.positions, &Pose { field, ..Pose::default() });
         let painted = binding.map_idx(&MapKind::Tied);
@@ -117,6 +119,19 @@ impl MovedHair {
             Follow::Spline(spline) => spline.first_rows.len() * spline.n_vertices as usize,
         }
     }
+}
+
+/// Vertices of the guides, or of the strands, that [`MovedHair::new`] moves of a layer.
+pub fn n_moved(moved: Moved, layer: &Layer, binding: &LayerBinding) -> usize {
+    match moved {
+        Moved::Strands => binding.n_strands() * moved_vertices(layer) as usize,
+        Moved::Guides | Moved::Mesh => binding.guides.positions.len(),
+    }
+}
+
+/// Vertices of a strand that is moved by itself.
+pub fn moved_vertices(layer: &Layer) -> u32 {
+    layer.vertices_per_strand.clamp(4, MOST_VERTICES)
 }
 
 /// The chains of a hair mesh as curves of one vertex count, and how its guides run through their joints. Chains of lower
@@ -246,6 +261,7 @@ mod tests {
             &Pose::default(),
         );
         assert_eq!(drawn.points, moved.curves.positions);
+        assert_eq!(n_moved(Moved::Strands, &layer, &binding), drawn.points.len());
     }
 
     #[test]

@@ -55,6 +55,11 @@ impl Bound {
         self.layers.iter().map(|layer| &layer.binding)
     }
 
+    /// Each layer as it is bound, and what its strands hang on.
+    pub fn layers(&self) -> impl Iterator<Item = (&Layer, &Arc<LayerBinding>)> {
+        self.layers.iter().map(|layer| (&layer.layer, &layer.binding))
+    }
+
     /// Bind a groom; what is bound alike in `self` is kept. `None` where it was cancelled.
     pub fn update(&self, groom: &Groom, watch: Watch<'_>) -> Option<Self> {
         self.update_with(groom, watch, true)

@@ -33,8 +33,7 @@ fn shown(groom: &Groom, renderer: &mut Renderer) -> [[f32; 3]; 2] {
     renderer.set_groom(groom).unwrap();
     let camera = Camera { azimuth_deg: 0.0, elevation_deg: 0.0, distance: 30.0, ..Camera::default() };
     let world_from_head = Affine3A::IDENTITY;
-    let input =
-        FrameInput { camera: &camera, size: SIZE, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let input = FrameInput { camera: &camera, size: SIZE, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
     let pixels = renderer.render_pixels(&input).unwrap();
     [2.0, -2.0].map(|y: f32| {
         let per_cm = 0.5 * SIZE[1] as f32 / (30.0 * 12f32.to_radians().tan());

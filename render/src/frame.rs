@@ -4,6 +4,8 @@ use glam::Affine3A;
 use lorelei_core::camera::Camera;
 use lorelei_shaders::{Gpu, GpuError};
 
+use crate::generate::MovedLayer;
+
 /// Colour of scene light: half floats, premultiplied.
 pub(crate) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
@@ -15,10 +17,10 @@ pub struct FrameInput<'a> {
     pub size: [u32; 2],
     /// Where the head is.
     pub world_from_head: Affine3A,
-    /// Per layer: guide positions in world space, `array<vec4<f32>>`; `None` (or a list that ends earlier): at rest.
-    pub guides: &'a [Option<&'a wgpu::Buffer>],
-    /// Changes when guides have moved since the last frame: what did not move is not made again.
-    pub guides_stamp: u64,
+    /// Per layer; a list that ends earlier: at rest.
+    pub moved: &'a [MovedLayer<'a>],
+    /// Changes when hair has moved since the last frame: what did not move is not made again.
+    pub moved_stamp: u64,
     /// Multiplies the look's level of detail: below 1 while the camera moves on a slow device.
     pub lod_scale: f32,
 }

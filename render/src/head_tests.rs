@@ -40,8 +40,8 @@ fn drawn(mesh: &TriMesh, camera: &Camera) -> Vec<[f32; 2]> {
         camera,
         size: SIZE,
         world_from_head: Affine3A::IDENTITY,
-        guides: &[],
-        guides_stamp: 0,
+        moved: &[],
+        moved_stamp: 0,
         lod_scale: 1.0,
     };
     renderer.render_pixels(&input).unwrap();

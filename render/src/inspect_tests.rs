@@ -48,7 +48,7 @@ fn terms_and_lamps_add_up_to_what_the_frame_was_shaded_with() {
         let camera = Camera { target: Vec3::new(0.0, -2.0, 0.0), distance: 80.0, ..Camera::default() };
         let world_from_head = Affine3A::IDENTITY;
         let input =
-            FrameInput { camera: &camera, size: SIZE, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+            FrameInput { camera: &camera, size: SIZE, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
         let pixels = renderer.render_pixels(&input).unwrap();
         let found = covered_pixel(&mut renderer, &pixels);
         let at = 4 * (found.pixel[1] * SIZE[0] + found.pixel[0]) as usize;
@@ -95,8 +95,7 @@ fn beside_the_hair_there_is_no_strand() {
     renderer.set_groom(&sample_groom(200, 8)).unwrap();
     let camera = Camera { distance: 120.0, ..Camera::default() };
     let world_from_head = Affine3A::IDENTITY;
-    let input =
-        FrameInput { camera: &camera, size: SIZE, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let input = FrameInput { camera: &camera, size: SIZE, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
     renderer.render_pixels(&input).unwrap();
     let corner = renderer.inspect([0, 0]).unwrap().unwrap();
     assert_eq!((corner.strand, corner.hair), (None, [0.0; 4]));

@@ -30,6 +30,7 @@ pub mod white_balance;
 
 pub use bound::Bound;
 pub use frame::FrameInput;
+pub use generate::MovedLayer;
 pub use head::TooManyTriangles;
 pub use profile::DRAWING_PASSES;
 pub use raster::TooManyVertices;

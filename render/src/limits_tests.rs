@@ -17,7 +17,7 @@ const SMALL: [u32; 2] = [64, 48];
 fn record(gpu: &Gpu, renderer: &mut Renderer, groom: &Groom, size: [u32; 2]) -> Result<(), RenderError> {
     let camera = Camera { distance: 110.0, ..Camera::default() };
     let world_from_head = Affine3A::IDENTITY;
-    let input = FrameInput { camera: &camera, size, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let input = FrameInput { camera: &camera, size, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
     gpu.checked(|| {
         renderer.set_groom(groom)?;
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());

@@ -81,7 +81,7 @@ struct HairKey {
     shaders: u64,
     buffers: u64,
     world_from_head: Affine3A,
-    guides_stamp: u64,
+    moved_stamp: u64,
     lod: f32,
     blend: LodBlend,
     veil: Veil,
@@ -268,7 +268,7 @@ impl Renderer {
         let lod = (look.lod * input.lod_scale).clamp(0.0, 1.0);
         let veil = self.head.overlay().map_or(Veil::Full, |overlay| overlay.veil);
         let blend = groom.lod.drawn(self.ball.share_of_picture(input.camera));
-        let pose = StrandPose { world_from_head: input.world_from_head, guides: input.guides, lod, blend, veil };
+        let pose = StrandPose { world_from_head: input.world_from_head, moved: input.moved, lod, blend, veil };
         let prepared = self.generator.prepare(gpu, library, &pose)?;
         let strands = self.generator.strands();
         let lights = SceneLights::new(&groom.lights).with_probes(look);
@@ -313,7 +313,7 @@ impl Renderer {
             shaders: library.generation(),
             buffers: strands.generation,
             world_from_head: input.world_from_head,
-            guides_stamp: input.guides_stamp,
+            moved_stamp: input.moved_stamp,
             lod,
             blend,
             veil,

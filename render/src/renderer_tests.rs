@@ -20,7 +20,7 @@ fn camera() -> Camera {
 }
 
 fn input(camera: &Camera) -> FrameInput<'_> {
-    FrameInput { camera, size: SIZE, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 }
+    FrameInput { camera, size: SIZE, world_from_head: Affine3A::IDENTITY, moved: &[], moved_stamp: 0, lod_scale: 1.0 }
 }
 
 /// What the rasteriser's threads can be on this device.

@@ -101,6 +101,30 @@ const ELIMINATED_BYTES: u64 = 5 * 16;
 /// Threads of a workgroup of `sim_chain.wgsl`.
 const CHAIN_LANES: u32 = 64;
 
+/// There is more hair in a layer than this device moves at once.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "moving every strand of {layer} needs {needed_mib} MiB at once and this GPU binds {available_mib} MiB: use fewer strands, or fewer points each, or move guides"
+)]
+pub struct TooMuchHair {
+    pub layer: String,
+    pub needed_mib: u64,
+    pub available_mib: u64,
+}
+
+/// Whether a layer of `n_vertices` vertices has room in the buffers of a device.
+pub fn check_room(gpu: &Gpu, layer: &str, n_vertices: usize) -> Result<(), TooMuchHair> {
+    let needed = BYTES_A_VERTEX * n_vertices as u64;
+    let available = gpu.max_storage_binding();
+    if needed <= available {
+        return Ok(());
+    }
+    Err(TooMuchHair { layer: layer.to_owned(), needed_mib: needed >> 20, available_mib: available >> 20 })
+}
+
+/// Bytes that the largest buffer of a layer has for a vertex.
+const BYTES_A_VERTEX: u64 = ELIMINATED_BYTES;
+
 /// The twin of [`crate::CpuSolver`].
 pub struct GpuSolver {
     gpu: Gpu,

@@ -75,7 +75,7 @@ fn rows(base: &Groom) -> Vec<Vec<usize>> {
 }
 
 fn input(camera: &Camera, size: [u32; 2]) -> FrameInput<'_> {
-    FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 }
+    FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, moved: &[], moved_stamp: 0, lod_scale: 1.0 }
 }
 
 fn camera() -> Camera {

@@ -11,6 +11,7 @@ use lorelei_core::io::gltf_motion::{read_motions, track_of};
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::simulation::Moved;
 use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
 use lorelei_sim::Measure;
@@ -28,7 +29,7 @@ use crate::stage::pacer::Detail;
 use crate::stage::{Playback, Stage, bounds_of};
 
 const AFTER_HELP: &str = "\
-What is printed, of the guides that strands are made from:
+What is printed, of what is moved (--set moved=guides|mesh|strands):
   length_error_rms, length_error_max   of each edge over its rest length, less 1; over all frames
   penetration_max_cm                   deepest below the head's surface, and below where it rests
   kinetic_energy                       mean half speed squared, erg/g, at each frame
@@ -75,7 +76,7 @@ pub struct SimulateArguments {
     /// Size of a frame's picture in pixels.
     #[arg(long, value_name = "WxH", default_value = "300x360", value_parser = parse_size)]
     size: [u32; 2],
-    /// Print one JSON object: what the help explains, and adapter, guides, vertices, steps.
+    /// Print one JSON object: what the help explains, and adapter, what moves, how many, vertices, steps.
     #[arg(long)]
     json: bool,
 }
@@ -153,8 +154,9 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         }
     }
     let bound = Bound::default().update(&groom, Watch::default()).unwrap_or_default();
-    let subject = Subject::of(&bound);
-    if subject.n_guides() == 0 {
+    let moved = groom.simulation.moved;
+    let subject = Subject::of(&bound, moved);
+    if subject.n_curves() == 0 {
         return Err(CliError::failed(format!("{}: there is no hair in it that could move", groom.name)));
     }
     let gpu = (arguments.on == Device::Gpu).then(Gpu::headless).transpose().map_err(CliError::failed)?;
@@ -235,7 +237,8 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
             "motion": course.motion.info().name,
             "seconds": f64::from(n_frames) / f64::from(fps),
             "fps": fps,
-            "guides": subject.n_guides(),
+            "moved": moved.info().name,
+            "guides": subject.n_curves(),
             "vertices": subject.n_vertices(),
             "steps": n_steps,
             "length_error_rms": tally.length_error_rms(),
@@ -256,11 +259,16 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         return print_line(&json.to_string());
     }
     print_line(&format!(
-        "{}: {} for {} s, {} guides with {} vertices, {n_steps} steps on {adapter}",
+        "{}: {} for {} s, {} {} with {} vertices, {n_steps} steps on {adapter}",
         groom.name,
         course.motion.info().label,
         f64::from(n_frames) / f64::from(fps),
-        subject.n_guides(),
+        subject.n_curves(),
+        match moved {
+            Moved::Guides => "guides",
+            Moved::Mesh => "chains",
+            Moved::Strands => "strands",
+        },
         subject.n_vertices()
     ))?;
     print_line(&format!("length_error_rms     {:.6}", tally.length_error_rms()))?;

@@ -9,10 +9,11 @@ use super::{Course, Subject};
 pub fn key_of(subject: &Subject, course: &Course, movement: &Movement) -> u128 {
     let mut key = Key::new();
     key.bytes(env!("CARGO_PKG_VERSION").as_bytes());
-    for binding in &subject.bindings {
-        key.word(binding.guides.n_vertices);
-        key.floats(binding.guides.positions.iter().flat_map(glam::Vec3::to_array));
-        key.floats(binding.guide_ties());
+    for hair in &subject.hair {
+        key.word(hair.curves.n_vertices);
+        key.floats(hair.curves.positions.iter().flat_map(glam::Vec3::to_array));
+        key.floats(hair.ties.iter().copied());
+        key.word(hair.n_shown() as u32);
     }
     if let Some(field) = &subject.field {
         key.floats(field.min.to_array().into_iter().chain([field.cell]));

@@ -16,37 +16,41 @@ pub mod solver;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
+use lorelei_core::moved::MovedHair;
+use lorelei_core::simulation::Moved;
 use lorelei_render::Bound;
 
 pub use course::Course;
 pub use run::Run;
 
-/// What is moved: the guides of every layer, at rest, and the head that they keep out of.
+/// What is moved of every layer, at rest, and the head that it keeps out of.
 #[derive(Debug, Clone)]
 pub struct Subject {
-    pub bindings: Vec<Arc<LayerBinding>>,
+    pub hair: Vec<MovedHair>,
     pub field: Option<Arc<DistanceField>>,
 }
 
 impl Subject {
     /// Of a groom that is bound.
-    pub fn of(bound: &Bound) -> Self {
-        Self { bindings: bound.bindings().cloned().collect(), field: bound.field().cloned() }
+    pub fn of(bound: &Bound, moved: Moved) -> Self {
+        let field = bound.field().cloned();
+        let hair = bound.layers().map(|(layer, binding)| MovedHair::new(moved, layer, binding, field.as_deref()));
+        Self { hair: hair.collect(), field }
     }
 
-    pub fn n_guides(&self) -> usize {
-        self.bindings.iter().map(|binding| binding.guides.n_guides()).sum()
+    /// Guides, chains, or strands.
+    pub fn n_curves(&self) -> usize {
+        self.hair.iter().map(|hair| hair.curves.n_guides()).sum()
     }
 
     pub fn n_vertices(&self) -> usize {
-        self.bindings.iter().map(|binding| binding.guides.positions.len()).sum()
+        self.hair.iter().map(|hair| hair.curves.positions.len()).sum()
     }
 }
 
-/// One frame: where the head is, and every layer's guides in world space, vertex `k` of guide `g` at
-/// `g * n_vertices + k`.
+/// One frame: where the head is, and every layer's guides, or strands where those were moved, in world space: vertex `k` of
+/// guide `g` at `g * n_vertices + k`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shot {
     pub world_from_head: Affine3A,

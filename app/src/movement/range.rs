@@ -33,7 +33,7 @@ pub struct Ranged {
 
 /// What a file of this movement begins with.
 pub fn header_of(subject: &Subject, course: &Course, movement: &Movement, device: &str) -> Header {
-    let layers = subject.bindings.iter().map(|binding| binding.guides.positions.len() as u32).collect();
+    let layers = subject.hair.iter().map(|hair| hair.n_shown() as u32).collect();
     let Movement { fps, start, end, .. } = *movement;
     Header { key: key_of(subject, course, movement), fps, start, end, layers, device: device.to_owned() }
 }
@@ -188,7 +188,7 @@ mod tests {
             key_of(&subject, &stiffer, &movement()),
             key_of(&subject, &other, &movement()),
             key_of(&subject, &course, &Movement { fps: 24.0, ..movement() }),
-            key_of(&Subject { bindings: Vec::new(), field: None }, &course, &movement()),
+            key_of(&Subject { hair: Vec::new(), field: None }, &course, &movement()),
         ] {
             assert_ne!(changed, key);
         }

@@ -124,12 +124,10 @@ pub fn pieces(course: &Course, fps: f32, before: f64, after: f64, dragged: HeadP
 
 #[cfg(test)]
 pub mod tests {
-    use std::sync::Arc;
-
     use glam::Vec3;
-    use lorelei_core::binding::LayerBinding;
     use lorelei_core::guides::GuideSet;
     use lorelei_core::motion::Motion;
+    use lorelei_core::moved::MovedHair;
     use lorelei_core::simulation::SimulationSettings;
 
     use super::*;
@@ -138,9 +136,7 @@ pub mod tests {
     pub fn two_strands() -> Subject {
         let strand = |x: f32| (0..8).map(move |k| Vec3::new(x, -2.0 * k as f32, 1.0));
         let guides = GuideSet { n_vertices: 8, positions: strand(-8.0).chain(strand(8.0)).collect() };
-        let mut binding = LayerBinding::default();
-        binding.guides = guides;
-        Subject { bindings: vec![Arc::new(binding)], field: None }
+        Subject { hair: vec![MovedHair { curves: guides, ..MovedHair::default() }], field: None }
     }
 
     pub fn shake() -> Course {

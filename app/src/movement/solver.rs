@@ -5,6 +5,7 @@ use std::time::Instant;
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
+use lorelei_sim::gpu::{TooMuchHair, check_room};
 use lorelei_sim::{CpuSolver, GpuSolver, Measure, SolverState};
 
 use super::Subject;
@@ -17,6 +18,8 @@ pub enum SolverError {
     Shader(#[from] ShaderError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    #[error(transparent)]
+    TooMuchHair(#[from] TooMuchHair),
 }
 
 /// Where a solver works.
@@ -63,29 +66,25 @@ impl Solver {
         settings: &SimulationSettings,
         world_from_head: &Affine3A,
     ) -> Result<Self, SolverError> {
-        let guides: Vec<_> = subject.bindings.iter().map(|binding| &binding.guides).collect();
         let field = subject.field.as_deref();
         let which = match on {
             On::Cpu => {
-                let mut solver = CpuSolver::new(&guides, field, settings);
-                for (layer_idx, binding) in subject.bindings.iter().enumerate() {
-                    solver.set_ties(layer_idx, &binding.guide_ties());
-                }
+                let mut solver = CpuSolver::of_hair(&subject.hair, field, settings);
                 solver.set_head_pose(world_from_head);
                 solver.reset();
                 Which::Cpu(Box::new(solver))
             }
             On::Gpu(gpu) => {
-                let mut solver = GpuSolver::new(&gpu, &shader_library()?, &guides, field, settings)?;
-                for (layer_idx, binding) in subject.bindings.iter().enumerate() {
-                    solver.set_ties(layer_idx, &binding.guide_ties());
+                for hair in &subject.hair {
+                    check_room(&gpu, "the groom", hair.curves.positions.len())?;
                 }
+                let mut solver = GpuSolver::of_hair(&gpu, &shader_library()?, &subject.hair, field, settings)?;
                 solver.set_head_pose(world_from_head);
                 solver.reset();
                 Which::Gpu(Box::new(solver), gpu)
             }
         };
-        Ok(Self { which, settings: settings.clone(), n_layers: guides.len() })
+        Ok(Self { which, settings: settings.clone(), n_layers: subject.hair.len() })
     }
 
     /// Let the pieces pass one after the other and wait until they have; returns steps and milliseconds.
@@ -121,7 +120,7 @@ impl Solver {
         Ok((n_steps, start.elapsed().as_secs_f64() * 1e3))
     }
 
-    /// Every layer's guides as the picture shows them, world.
+    /// Every layer's guides, or strands, as the picture shows them, world.
     pub fn positions(&self) -> Result<Vec<Vec<Vec3>>, SolverError> {
         let xyz = |positions: &[Vec4]| positions.iter().map(|p| p.xyz()).collect();
         (0..self.n_layers)

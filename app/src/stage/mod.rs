@@ -5,6 +5,7 @@
 
 mod binder;
 mod display;
+mod maker;
 pub mod pacer;
 pub mod player;
 pub mod report;
@@ -20,7 +21,6 @@ mod tests;
 use std::sync::Arc;
 
 use glam::Vec3;
-use lorelei_core::binding::LayerBinding;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Source};
 use lorelei_core::io::Watch;
@@ -34,8 +34,9 @@ use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 
 use display::Display;
+use maker::{Gear, LayerHair};
 use pacer::Detail;
-use player::{Gear, Player, Score};
+use player::{Player, Score};
 use report::{FrameReport, Timeline};
 use shown::Shown;
 
@@ -108,7 +109,6 @@ pub struct Stage {
     library: ShaderLibrary,
     renderer: Renderer,
     player: Player,
-    n_layers: usize,
     /// Times that guides moved.
     n_moves: u64,
     look: Look,
@@ -119,6 +119,8 @@ pub struct Stage {
     display: Option<Display>,
     /// Why the last edit of a shader is not in use, once that was told.
     shader_fault: Option<ShaderError>,
+    /// Why guides are moved instead of strands, once that was told.
+    too_much: Option<String>,
     is_lost: bool,
 }
 
@@ -140,13 +142,13 @@ impl Stage {
             gpu,
             library,
             player: Player::new(),
-            n_layers: 0,
             n_moves: 0,
             look: Look::default(),
             lights: Vec::new(),
             shown: Shown::default(),
             display,
             shader_fault: None,
+            too_much: None,
             is_lost: false,
         })
     }
@@ -169,17 +171,17 @@ impl Stage {
         let warnings = result?;
         self.look.clone_from(&groom.look);
         self.lights.clone_from(&groom.lights);
-        self.n_layers = groom.layers.len();
-        let bindings = self.bindings();
-        let field = self.renderer.mirror().field().cloned();
-        let gear = Gear { gpu: &self.gpu, library: &self.library, bindings: &bindings, field: field.as_deref() };
-        self.player.set_score(&gear, Score { course: Course::of(groom), movement: groom.movement.bounded() })?;
+        let bound = self.bound().clone();
+        let layers = layers_of(&bound);
+        let score = Score { course: Course::of(groom), movement: groom.movement.bounded() };
+        let too_much =
+            self.player.set_score(&gear(&self.gpu, &self.library, self.display.as_ref(), &layers, &bound), score)?;
         self.n_moves += 1;
-        Ok(warnings)
-    }
-
-    fn bindings(&self) -> Vec<Arc<LayerBinding>> {
-        (0..self.n_layers).filter_map(|layer_idx| self.renderer.mirror().binding(layer_idx).cloned()).collect()
+        let too_much = too_much.map(|too_much| format!("Guides are moved instead of strands: {too_much}"));
+        // Said once, not with every edit.
+        let is_news = too_much != self.too_much;
+        self.too_much.clone_from(&too_much);
+        Ok(warnings.into_iter().chain(too_much.filter(|_| is_news)).collect())
     }
 
     /// Show a painted map on the scalp, or skin.
@@ -203,7 +205,7 @@ impl Stage {
 
     /// Take over frames that were simulated elsewhere; false where they are of another movement, hair or head.
     pub fn offer(&mut self, ranged: &Ranged) -> bool {
-        let subject = Subject { bindings: self.bindings(), field: self.renderer.mirror().field().cloned() };
+        let subject = Subject::of(self.bound(), self.player.moved());
         let is_fit = self.player.key(&subject) == ranged.key;
         if is_fit {
             self.player.set_frames(ranged.frames.clone());
@@ -265,23 +267,20 @@ impl Stage {
         self.renderer.set_lights(&self.shown.lights(&self.lights));
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
-        let bindings = self.bindings();
-        let field = self.renderer.mirror().field().cloned();
-        let gear = Gear { gpu: &self.gpu, library: &self.library, bindings: &bindings, field: field.as_deref() };
+        let bound = self.bound().clone();
+        let layers = layers_of(&bound);
+        let gear = gear(&self.gpu, &self.library, self.display.as_ref(), &layers, &bound);
         if self.player.pass(&gear, playback, dt_secs, &mut encoder)? {
             self.n_moves += 1;
         }
-        let player = &self.player;
-        let n_vertices = |layer_idx: usize| bindings.get(layer_idx).map_or(0, |binding| binding.guides.positions.len());
-        let guides: Vec<Option<&wgpu::Buffer>> =
-            (0..self.n_layers).map(|layer_idx| player.guides(layer_idx, n_vertices(layer_idx))).collect();
+        let moved = self.player.moved_layers();
         let world_from_head = self.player.world_from_head();
         let input = FrameInput {
             camera,
             size,
             world_from_head,
-            guides: &guides,
-            guides_stamp: self.n_moves,
+            moved: &moved,
+            moved_stamp: self.n_moves,
             lod_scale: detail.lod,
         };
         self.renderer.render(&mut encoder, &input)?;
@@ -391,6 +390,20 @@ impl Stage {
         report.timeline = Timeline::of(&self.player);
         report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
+}
+
+fn layers_of(bound: &Bound) -> Vec<LayerHair> {
+    bound.layers().map(|(layer, binding)| (layer.clone(), Arc::clone(binding))).collect()
+}
+
+fn gear<'s>(
+    gpu: &'s Gpu,
+    library: &'s ShaderLibrary,
+    display: Option<&Display>,
+    layers: &'s [LayerHair],
+    bound: &'s Bound,
+) -> Gear<'s> {
+    Gear { gpu, library, layers, field: bound.field(), waits: display.is_none() }
 }
 
 /// Below the neck's joint, a bust is no part of the portrait, centimetres.

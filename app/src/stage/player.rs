@@ -7,14 +7,16 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
-use lorelei_core::binding::LayerBinding;
-use lorelei_core::distance_field::DistanceField;
 use lorelei_core::motion::{AtEnd, HeadPose, Movement};
-use lorelei_core::simulation::{SimulationSettings, Wind};
-use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
+use lorelei_core::moved::{moved_vertices, n_moved};
+use lorelei_core::simulation::{Moved, SimulationSettings, Wind};
+use lorelei_render::MovedLayer;
+use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use lorelei_sim::GpuSolver;
+use lorelei_sim::gpu::TooMuchHair;
 use lorelei_sim::wind::{AirGrid, FreeAir};
 
+use super::maker::{Gear, LayerHair, Maker, moved_on};
 use super::{Playback, StageError};
 use crate::movement::frames::Frames;
 use crate::movement::key::key_of;
@@ -25,13 +27,9 @@ use crate::movement::{Course, Shot, Subject};
 /// answering.
 const FRAMES_AT_ONCE: u32 = 12;
 
-/// What the player works with.
-pub struct Gear<'s> {
-    pub gpu: &'s Gpu,
-    pub library: &'s ShaderLibrary,
-    pub bindings: &'s [Arc<LayerBinding>],
-    pub field: Option<&'s DistanceField>,
-}
+/// Kept frames that there must be room for, for any to be kept: a second of film. Frames of every strand are large, and to
+/// bring them to the CPU takes its time.
+const FEWEST_FRAMES: usize = 24;
 
 /// What a groom says about its movement.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,10 +47,10 @@ struct Moving {
     warm_up_left: u32,
 }
 
-/// Guides of a [`Shot`] on the GPU.
+/// A [`Shot`] on the GPU.
 struct ShotBuffers {
     world_from_head: Affine3A,
-    guides: Vec<wgpu::Buffer>,
+    layers: Vec<wgpu::Buffer>,
 }
 
 /// A frame on its way to the CPU.
@@ -66,7 +64,10 @@ struct Recorded {
 pub struct Player {
     score: Score,
     /// What the frames are made from.
-    bindings: Vec<Arc<LayerBinding>>,
+    layers: Vec<LayerHair>,
+    /// What is moved of it.
+    moved: Moved,
+    maker: Maker,
     moving: Option<Moving>,
     frames: Frames,
     budget: usize,
@@ -95,7 +96,9 @@ impl Player {
             Score { course: Course::still(Vec3::ZERO, SimulationSettings::default()), movement: Movement::default() };
         Self {
             score,
-            bindings: Vec::new(),
+            layers: Vec::new(),
+            moved: Moved::Guides,
+            maker: Maker::default(),
             moving: None,
             frames: Frames::default(),
             budget: 0,
@@ -119,54 +122,74 @@ impl Player {
         self.budget = n_bytes;
     }
 
-    /// Take over what changed in the groom. What moves goes on where its guides are as many as before.
-    pub fn set_score(&mut self, gear: &Gear<'_>, score: Score) -> Result<(), StageError> {
+    /// Take over what changed in the groom. What moves goes on where its guides are as many as before. Returns why something
+    /// else is moved than was asked for.
+    pub fn set_score(&mut self, gear: &Gear<'_>, score: Score) -> Result<Option<TooMuchHair>, StageError> {
         let has_same_frames = score.course == self.score.course && score.movement.moves_like(&self.score.movement);
         let is_restarted = !score.movement.moves_like(&self.score.movement);
         self.score = score;
-        let before = std::mem::replace(&mut self.bindings, gear.bindings.to_vec());
-        let all_alike = |is_alike: fn(&LayerBinding, &LayerBinding) -> bool| {
-            let pairs = before.iter().zip(gear.bindings);
-            before.len() == gear.bindings.len() && pairs.into_iter().all(|(a, b)| Arc::ptr_eq(a, b) || is_alike(a, b))
+        let (moved, too_much) = moved_on(gear.gpu, self.score.course.settings.moved, gear.layers);
+        let is_same_moved = std::mem::replace(&mut self.moved, moved) == moved;
+        let before = std::mem::replace(&mut self.layers, gear.layers.to_vec());
+        let all_alike = |is_alike: &dyn Fn(&LayerHair, &LayerHair) -> bool| {
+            before.len() == gear.layers.len() && before.iter().zip(gear.layers).all(|(a, b)| is_alike(a, b))
         };
-        let has_same_guides = all_alike(|a, b| a.guides == b.guides);
-        let has_same_ties = all_alike(|a, b| a.guide_ties() == b.guide_ties());
-        if has_same_guides && has_same_ties && has_same_frames {
-            return Ok(());
+        let has_same_curves = is_same_moved && all_alike(&|a, b| moves_alike(moved, a, b));
+        let has_same_ties = all_alike(&|(_, a), (_, b)| Arc::ptr_eq(a, b) || a.guide_ties() == b.guide_ties());
+        if has_same_curves && has_same_ties && has_same_frames {
+            return Ok(too_much);
         }
         self.forget_frames();
         if is_restarted {
             // Another motion, another time: begin again rather than go on in the middle of it.
-            self.moving = None;
+            self.stop();
             self.wanted = Some(self.at).filter(|at| *at > self.score.movement.start);
-            return Ok(());
+        } else if self.moving.as_ref().is_some_and(|moving| moving.front != self.at) {
+            self.stop();
         }
-        if self.moving.as_ref().is_some_and(|moving| moving.front != self.at) {
-            self.moving = None;
-        }
-        self.is_by_hand = self.moving.is_some();
-        if !has_same_guides && let Some(moving) = &self.moving {
-            let state = moving.solver.read_state()?;
-            let (front, warm_up_left) = (moving.front, moving.warm_up_left);
-            let mut next = self.make_solver(gear, &self.world_from_head)?;
-            // Guides that are as many as before take over where the hair is; others begin at rest.
-            next.solver.write_state(&state);
-            (next.front, next.warm_up_left) = (front, warm_up_left);
-            self.moving = Some(next);
-        } else if let Some(moving) = &mut self.moving {
-            for (layer_idx, binding) in gear.bindings.iter().enumerate() {
-                moving.solver.set_ties(layer_idx, &binding.guide_ties());
+        if !has_same_curves || (!has_same_ties && self.moved == Moved::Strands) {
+            self.maker.forget();
+            if let Some(before) = self.moving.take() {
+                let state = before.solver.read_state()?;
+                // Hair that is as much as before takes over where that was; other hair begins at rest.
+                self.moving = self.make_solver(gear, &self.world_from_head.clone())?.map(|mut next| {
+                    next.solver.write_state(&state);
+                    Moving { front: before.front, warm_up_left: before.warm_up_left, ..next }
+                });
+                self.wanted = self.maker.is_making().then_some(self.at);
+            }
+        } else if !has_same_ties {
+            self.maker.set_ties(gear.layers);
+            if let Some(moving) = &mut self.moving {
+                for (layer_idx, (_, binding)) in gear.layers.iter().enumerate() {
+                    moving.solver.set_ties(layer_idx, &binding.guide_ties());
+                }
             }
         }
-        Ok(())
+        self.is_by_hand = self.moving.is_some();
+        Ok(too_much)
+    }
+
+    /// Nothing moves any more.
+    fn stop(&mut self) {
+        if let Some(moving) = self.moving.take() {
+            self.maker.put_back(moving.solver);
+        }
     }
 
     /// Frames that were simulated elsewhere, with the same inputs.
     pub fn set_frames(&mut self, frames: Frames) {
         self.frames = frames;
         // A solver that stands at a frame of the same run goes on being of use.
-        self.moving.take_if(|_| self.is_by_hand);
+        if self.is_by_hand {
+            self.stop();
+        }
         self.is_by_hand = false;
+    }
+
+    /// What of the hair is moved.
+    pub fn moved(&self) -> Moved {
+        self.moved
     }
 
     /// What the frames are made from.
@@ -191,7 +214,8 @@ impl Player {
         let mut has_moved = false;
         if self.n_resets != playback.n_resets {
             self.n_resets = playback.n_resets;
-            (self.moving, self.shot, self.wanted) = (None, None, None);
+            self.stop();
+            (self.shot, self.wanted) = (None, None);
             (self.at, self.left, self.is_by_hand) = (start, 0.0, false);
             has_moved = true;
         }
@@ -262,7 +286,8 @@ impl Player {
             }
             self.is_by_hand = self.moving.is_some();
         } else {
-            (self.moving, self.shot, self.wanted) = (None, None, None);
+            self.stop();
+            (self.shot, self.wanted) = (None, None);
             self.at = self.score.movement.start;
         }
         self.forget_frames();
@@ -271,17 +296,17 @@ impl Player {
 
     /// A solver that goes on from the kept frame that is shown, with the speed that the two last frames show.
     fn stand_at_shot(&mut self, gear: &Gear<'_>) -> Result<(), StageError> {
-        let Some(shot) = self.frames.get(self.at).cloned() else {
-            self.moving = None;
-            return Ok(());
-        };
+        self.stop();
+        let Some(shot) = self.frames.get(self.at).cloned() else { return Ok(()) };
         let before = self.at.checked_sub(1).and_then(|at| self.frames.get(at)).cloned();
-        let mut moving = self.make_solver(gear, &shot.world_from_head)?;
+        let Some(mut moving) = self.make_solver(gear, &shot.world_from_head)? else { return Ok(()) };
         let steps_per_frame = self.score.course.settings.steps_per_second / self.score.movement.fps;
-        for (layer_idx, x) in shot.positions.iter().enumerate().filter(|(_, x)| !x.is_empty()) {
-            let last = before.as_ref().and_then(|before| before.positions.get(layer_idx)).unwrap_or(x);
-            let prev: Vec<Vec3> = x.iter().zip(last).map(|(x, last)| *x - (*x - *last) / steps_per_frame).collect();
-            moving.solver.set_state(layer_idx, x, &prev);
+        let layers = self.maker.hair().iter().zip(&shot.positions).enumerate();
+        for (layer_idx, (hair, shown)) in layers.filter(|(_, (_, shown))| !shown.is_empty()) {
+            let last = before.as_ref().and_then(|before| before.positions.get(layer_idx)).unwrap_or(shown);
+            let (x, last) = (hair.curves_of(shown), hair.curves_of(last));
+            let prev: Vec<Vec3> = x.iter().zip(last).map(|(x, last)| *x - (*x - last) / steps_per_frame).collect();
+            moving.solver.set_state(layer_idx, &x, &prev);
         }
         moving.front = self.at;
         self.shot = None;
@@ -306,6 +331,10 @@ impl Player {
         }
         self.stand_before(gear, to, encoder)?;
         let Some(moving) = &self.moving else {
+            if self.maker.is_making() {
+                self.wanted = Some(to);
+                return Ok(());
+            }
             // There is no hair: time passes all the same.
             self.at = to;
             self.world_from_head = self.pose_at(to);
@@ -333,19 +362,20 @@ impl Player {
         self.world_from_head = shot.world_from_head;
         self.shot = Some(ShotBuffers {
             world_from_head: shot.world_from_head,
-            guides: shot.positions.iter().map(buffer).collect(),
+            layers: shot.positions.iter().map(buffer).collect(),
         });
     }
 
     /// A solver at a frame from which `to` can be reached: the one that is there, one from a kept state, or one at rest at
     /// the first frame.
     fn stand_before(&mut self, gear: &Gear<'_>, to: u32, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
-        if gear.bindings.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
+        if gear.layers.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
             return Ok(());
         }
         self.is_by_hand = false;
         let start = self.score.movement.start;
-        let mut moving = self.make_solver(gear, &self.pose_at(start))?;
+        self.stop();
+        let Some(mut moving) = self.make_solver(gear, &self.pose_at(start))? else { return Ok(()) };
         if let Some((front, state)) = self.frames.state_before(to)
             && moving.solver.write_state(state)
         {
@@ -360,16 +390,13 @@ impl Player {
         Ok(())
     }
 
-    fn make_solver(&self, gear: &Gear<'_>, world_from_head: &Affine3A) -> Result<Moving, ShaderError> {
-        let guides: Vec<_> = gear.bindings.iter().map(|binding| &binding.guides).collect();
+    /// A solver at rest; `None` while it is still being made.
+    fn make_solver(&mut self, gear: &Gear<'_>, world_from_head: &Affine3A) -> Result<Option<Moving>, ShaderError> {
         let settings = self.score.course.settings.clone();
-        let mut solver = GpuSolver::new(gear.gpu, gear.library, &guides, gear.field, &settings)?;
-        for (layer_idx, binding) in gear.bindings.iter().enumerate() {
-            solver.set_ties(layer_idx, &binding.guide_ties());
-        }
+        let Some(mut solver) = self.maker.make(gear, self.moved, &settings)? else { return Ok(None) };
         solver.set_head_pose(world_from_head);
         solver.reset();
-        Ok(Moving { solver, settings, front: self.at, warm_up_left: 0 })
+        Ok(Some(Moving { solver, settings, front: self.at, warm_up_left: 0 }))
     }
 
     /// Record the solver's way to the next frame.
@@ -399,12 +426,13 @@ impl Player {
         let Some(moving) = &self.moving else { return };
         let frame_idx = moving.front;
         let is_in_range = frame_idx <= self.score.movement.end && moving.warm_up_left == 0;
-        let has_room = self.frames.n_bytes() < self.budget;
+        let n_vertices: usize = self.n_shown().sum();
+        let n_bytes = n_vertices * size_of::<Vec3>();
+        let has_room = self.frames.n_bytes() < self.budget && n_bytes * FEWEST_FRAMES <= self.budget;
         if self.is_by_hand || !is_in_range || !has_room || self.frames.get(frame_idx).is_some() {
             return;
         }
-        let layers = self.bindings.iter().enumerate().map(|(layer_idx, binding)| {
-            let n_vertices = binding.guides.positions.len();
+        let layers = self.n_shown().enumerate().map(|(layer_idx, n_vertices)| {
             let size = (16 * n_vertices as u64).max(16);
             let staging = gear.gpu.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("stage.recorded"),
@@ -440,13 +468,37 @@ impl Player {
         self.score.course.pose_with(secs as f32, self.dragged)
     }
 
-    /// Guides of a layer as they are shown; `None`: at rest on the head.
-    pub fn guides(&self, layer_idx: usize, n_vertices: usize) -> Option<&wgpu::Buffer> {
-        if let Some(shot) = &self.shot {
-            return shot.guides.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_vertices as u64).max(16));
-        }
-        let solver = self.moving.as_ref().map(|moving| &moving.solver)?;
-        (layer_idx < solver.n_layers()).then(|| solver.positions(layer_idx))
+    /// Vertices of what is shown of each layer: guides, or strands.
+    fn n_shown(&self) -> impl Iterator<Item = usize> {
+        self.layers.iter().map(|(layer, binding)| n_moved(self.moved, layer, binding))
+    }
+
+    /// What of each layer is shown elsewhere than at rest on the head.
+    pub fn moved_layers(&self) -> Vec<MovedLayer<'_>> {
+        let shot = self.shot.as_ref();
+        let solver = self.moving.as_ref().map(|moving| &moving.solver);
+        let of_layer = |(layer_idx, n_shown): (usize, usize)| {
+            let positions = match (shot, solver) {
+                (Some(shot), _) => {
+                    shot.layers.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_shown as u64).max(16))
+                }
+                (None, Some(solver)) => (layer_idx < solver.n_layers()).then(|| solver.positions(layer_idx)),
+                (None, None) => None,
+            };
+            match (positions, self.moved) {
+                (None, _) => MovedLayer::Nothing,
+                (Some(positions), Moved::Guides | Moved::Mesh) => MovedLayer::Guides(positions),
+                (Some(positions), Moved::Strands) => {
+                    MovedLayer::Strands { positions, n_vertices: moved_vertices(&self.layers[layer_idx].0) }
+                }
+            }
+        };
+        self.n_shown().enumerate().map(of_layer).collect()
+    }
+
+    /// What moves is still being prepared.
+    pub fn is_making(&self) -> bool {
+        self.maker.is_making()
     }
 
     /// The air as it is drawn: the grid's of the last frame that was simulated, or free air where there is no grid; `None`
@@ -501,5 +553,19 @@ impl Player {
     /// What is shown now was made by hand and is not kept.
     pub fn is_by_hand(&self) -> bool {
         self.is_by_hand
+    }
+}
+
+/// Whether what is moved of a layer is the same.
+fn moves_alike(moved: Moved, (layer, binding): &LayerHair, (other_layer, other): &LayerHair) -> bool {
+    let has_same_guides = Arc::ptr_eq(binding, other) || binding.guides == other.guides;
+    match moved {
+        Moved::Guides | Moved::Mesh => has_same_guides,
+        Moved::Strands => {
+            Arc::ptr_eq(binding, other)
+                && layer.style == other_layer.style
+                && layer.has_same_sculpt(other_layer)
+                && moved_vertices(layer) == moved_vertices(other_layer)
+        }
     }
 }

@@ -107,6 +107,8 @@ pub struct Timeline {
     pub secs: f64,
     /// A frame that was asked for and is still being simulated.
     pub wanted: Option<u32>,
+    /// What moves is still being prepared.
+    pub is_making: bool,
     /// Playing has come to the end and stays there.
     pub has_ended: bool,
     /// What is shown was made by hand, so that it is not kept.
@@ -125,6 +127,7 @@ impl Timeline {
             at,
             secs,
             wanted: player.wanted(),
+            is_making: player.is_making(),
             has_ended: player.has_ended(),
             is_by_hand: player.is_by_hand(),
             kept: player.frames().runs().iter().map(|run| [*run.start(), *run.end()]).collect(),

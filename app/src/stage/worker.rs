@@ -32,6 +32,11 @@ const PACE_SECS: f32 = 2.0;
 /// A full frame is announced once the last one took longer than this.
 const ANNOUNCED_MS: f32 = 500.0;
 
+/// What takes its time where every strand is moved.
+const PREPARING_STRANDS: &str = "Preparing every strand to move";
+/// Until the next look whether it is done: nothing moves before.
+const LOOK_FOR_SOLVER: Duration = Duration::from_millis(50);
+
 /// Between two looks at the shaders' files, where somebody edits them and nothing else is to be drawn.
 const LOOK_FOR_SHADERS: Duration = Duration::from_millis(300);
 
@@ -444,7 +449,7 @@ impl Worker {
         let mut news = FrameReport::default();
         stage.describe(&mut news);
         let timeline = Timeline { speed, ..news.timeline };
-        let is_catching_up = timeline.wanted.is_some();
+        let (is_catching_up, is_making) = (timeline.wanted.is_some(), timeline.is_making);
         self.is_catching_up = is_catching_up;
         if self.preview.is_none() {
             self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
@@ -468,6 +473,11 @@ impl Worker {
             report.coarseness = detail.coarseness;
             report.frame_ms = frame_ms;
             report.is_refining = false;
+            match report.busy {
+                None if is_making => report.busy = Some(Busy::with(PREPARING_STRANDS)),
+                Some(Busy { what: PREPARING_STRANDS, .. }) if !is_making => report.busy = None,
+                _ => {}
+            }
             report.is_still =
                 detail.is_full() && !request.playback.is_playing && !is_catching_up && state == request.state;
             report.is_lost = is_lost && !has_own;
@@ -510,6 +520,9 @@ impl Worker {
         }
         if is_lost {
             return self.replace_gpu();
+        }
+        if is_making {
+            std::thread::sleep(LOOK_FOR_SOLVER);
         }
         let mut request = request;
         if !detail.is_full()

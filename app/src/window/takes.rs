@@ -172,7 +172,7 @@ fn simulate(groom: &Groom, budget: usize, path: Option<&Path>, watch: Watch<'_>)
         Ok(gpu) => gpu,
         Err(why) => return failed(why.to_string()),
     };
-    let (subject, course) = (Subject::of(&bound), Course::of(groom));
+    let (subject, course) = (Subject::of(&bound, groom.simulation.moved), Course::of(groom));
     match simulate_range(On::Gpu(Box::new(gpu)), &subject, &course, &groom.movement, budget, path, watch) {
         Ok(ranged) => Done::Ranged { ranged, path: path.map(Path::to_owned) },
         Err(why) => failed(why.to_string()),

@@ -31,8 +31,7 @@ fn render(renderer: &mut Renderer, groom: &Groom) -> Pixels {
     renderer.set_groom(groom).unwrap();
     let camera = camera();
     let world_from_head = Affine3A::IDENTITY;
-    let input =
-        FrameInput { camera: &camera, size: SIZE, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+    let input = FrameInput { camera: &camera, size: SIZE, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
     renderer.render_pixels(&input).unwrap()
 }
 

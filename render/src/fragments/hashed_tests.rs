@@ -173,8 +173,8 @@ fn hashed_hair_that_is_carried_about_before_the_camera_keeps_its_pattern() {
             camera: &camera,
             size: [160, 160],
             world_from_head,
-            guides: &[],
-            guides_stamp: u64::from(turn_deg.to_bits()) + u64::from(step.x.to_bits()),
+            moved: &[],
+            moved_stamp: u64::from(turn_deg.to_bits()) + u64::from(step.x.to_bits()),
             lod_scale: 1.0,
         };
         renderer.render_pixels(&input).unwrap();

@@ -284,7 +284,7 @@ fn strands_of(gpu: &Gpu, library: &ShaderLibrary, groom: &Groom) -> Result<(Vec<
     generator.set_groom(gpu, groom)?;
     let pose = StrandPose {
         world_from_head: Affine3A::IDENTITY,
-        guides: &[],
+        moved: &[],
         lod: 1.0,
         blend: LodBlend::default(),
         veil: Veil::Full,

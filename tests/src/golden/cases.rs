@@ -127,7 +127,7 @@ impl Studio {
         let camera = Camera { target: Vec3::new(0.0, 1.0, 0.0), distance: 80.0, ..Camera::default() };
         let world_from_head = Affine3A::IDENTITY;
         let input =
-            FrameInput { camera: &camera, size: SIZE, world_from_head, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+            FrameInput { camera: &camera, size: SIZE, world_from_head, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
         let pixels = self.renderer.render_pixels(&input).map_err(|why| failed(&why))?;
         let [width, height] = pixels.size;
         RgbaImage::from_raw(width, height, pixels.rgba).ok_or_else(|| failed(&"the picture has too few bytes"))

@@ -200,7 +200,7 @@ fn median(
 /// A frame to its end; the picture stays on the GPU, which would rest while it is read.
 pub(super) fn draw(gpu: &Gpu, renderer: &mut Renderer, camera: &Camera, size: [u32; 2]) -> Result<(), RenderError> {
     let input =
-        FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, guides: &[], guides_stamp: 0, lod_scale: 1.0 };
+        FrameInput { camera, size, world_from_head: Affine3A::IDENTITY, moved: &[], moved_stamp: 0, lod_scale: 1.0 };
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     renderer.render(&mut encoder, &input)?;
     gpu.queue.submit([encoder.finish()]);

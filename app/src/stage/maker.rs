@@ -1,0 +1,186 @@
+//! Makes the solver of a groom: at once where that is quick; on a thread of its own where every strand is moved, which takes
+//! seconds. A solver that is not needed for a while is kept, so that it need not be made again.
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+use lorelei_core::binding::LayerBinding;
+use lorelei_core::distance_field::DistanceField;
+use lorelei_core::groom::Layer;
+use lorelei_core::moved::{MovedHair, n_moved};
+use lorelei_core::simulation::{Moved, SimulationSettings};
+use lorelei_shaders::{Gpu, ShaderError, ShaderLibrary};
+use lorelei_sim::GpuSolver;
+use lorelei_sim::gpu::{TooMuchHair, check_room};
+
+/// Moved vertices up to which a solver is made within a frame.
+const QUICK: usize = 60_000;
+
+/// A layer, and what its strands hang on.
+pub type LayerHair = (Layer, Arc<LayerBinding>);
+
+/// What a solver is made from.
+pub struct Gear<'s> {
+    pub gpu: &'s Gpu,
+    pub library: &'s ShaderLibrary,
+    pub layers: &'s [LayerHair],
+    pub field: Option<&'s Arc<DistanceField>>,
+    /// Nobody looks on: a frame may take as long as it takes.
+    pub waits: bool,
+}
+
+/// Hair, and the solver that moves it.
+type Made = (Arc<Vec<MovedHair>>, GpuSolver);
+
+/// Where solvers come from.
+#[derive(Default)]
+pub struct Maker {
+    /// What of the groom is moved, once that is known.
+    hair: Option<Arc<Vec<MovedHair>>>,
+    job: Option<JoinHandle<Result<Made, ShaderError>>>,
+    /// The groom is another than when the job began.
+    is_stale: bool,
+    spare: Option<GpuSolver>,
+}
+
+impl Maker {
+    /// The hair has changed.
+    pub fn forget(&mut self) {
+        (self.hair, self.spare) = (None, None);
+        self.is_stale = self.job.is_some();
+    }
+
+    /// Only the ties have changed; a solver that is in use is told by whoever uses it.
+    pub fn set_ties(&mut self, layers: &[LayerHair]) {
+        if let Some(hair) = &mut self.hair {
+            for (hair, (_, binding)) in Arc::make_mut(hair).iter_mut().zip(layers) {
+                hair.ties = binding.guide_ties();
+            }
+        }
+        if let Some(spare) = &mut self.spare {
+            for (layer_idx, (_, binding)) in layers.iter().enumerate() {
+                spare.set_ties(layer_idx, &binding.guide_ties());
+            }
+        }
+    }
+
+    /// Keep a solver of the present hair.
+    pub fn put_back(&mut self, solver: GpuSolver) {
+        self.spare = Some(solver);
+    }
+
+    /// What of the groom is moved; empty before the first solver was made.
+    pub fn hair(&self) -> &[MovedHair] {
+        self.hair.as_deref().map_or(&[], Vec::as_slice)
+    }
+
+    /// A solver is on its way.
+    pub fn is_making(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// A solver of the present hair, in whatever state; `None` while it is still being made.
+    pub fn make(
+        &mut self,
+        gear: &Gear<'_>,
+        moved: Moved,
+        settings: &SimulationSettings,
+    ) -> Result<Option<GpuSolver>, ShaderError> {
+        if let Some(mut solver) = self.spare.take() {
+            solver.set_settings(settings)?;
+            return Ok(Some(solver));
+        }
+        loop {
+            if let Some(job) = self.job.take_if(|job| gear.waits || job.is_finished()) {
+                let made = job.join();
+                if std::mem::take(&mut self.is_stale) {
+                    continue;
+                }
+                // A panic of the thread is one of this one.
+                let (hair, mut solver) = made.unwrap_or_else(|why| std::panic::resume_unwind(why))?;
+                self.hair = Some(hair);
+                solver.set_settings(settings)?;
+                return Ok(Some(solver));
+            }
+            if self.job.is_some() {
+                return Ok(None);
+            }
+            let (gpu, library, settings) = (gear.gpu.clone(), gear.library.clone(), settings.clone());
+            let field = gear.field.cloned();
+            let known = self.hair.clone();
+            let layers = gear.layers.to_vec();
+            let make = move || {
+                let of_layer = |(layer, binding): &LayerHair| MovedHair::new(moved, layer, binding, field.as_deref());
+                let hair = known.unwrap_or_else(|| Arc::new(layers.iter().map(of_layer).collect()));
+                let solver = GpuSolver::of_hair(&gpu, &library, &hair, field.as_deref(), &settings)?;
+                Ok((hair, solver))
+            };
+            let n_vertices: usize = gear.layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
+            if gear.waits || n_vertices <= QUICK {
+                let (hair, solver) = make()?;
+                self.hair = Some(hair);
+                return Ok(Some(solver));
+            }
+            match std::thread::Builder::new().name("solver".to_owned()).spawn(make) {
+                Ok(job) => self.job = Some(job),
+                Err(why) => {
+                    let label = "a thread for every strand".to_owned();
+                    return Err(ShaderError::Pipeline { label, message: why.to_string() });
+                }
+            }
+        }
+    }
+}
+
+/// What is moved on a device: what is asked for where its solver has room, else guides; and what to say then.
+pub fn moved_on(gpu: &Gpu, moved: Moved, layers: &[LayerHair]) -> (Moved, Option<TooMuchHair>) {
+    let too_much =
+        layers.iter().find_map(|(layer, binding)| check_room(gpu, &layer.name, n_moved(moved, layer, binding)).err());
+    (if too_much.is_some() { Moved::Guides } else { moved }, too_much)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+    use lorelei_core::binding::bind_layer;
+    use lorelei_core::groom::Source;
+    use lorelei_core::strands::Strands;
+
+    use super::*;
+
+    #[test]
+    fn every_strand_is_prepared_beside_the_frames_and_what_changed_meanwhile_is_prepared_again() {
+        let mut strands = Strands::default();
+        for i in 0..40 {
+            let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(i as f32, -1.5 * k as f32, 6.0)).collect();
+            strands.push(&points);
+        }
+        let layer =
+            Layer { n_strands: 1100, vertices_per_strand: 64, ..Layer::new("a", Source::Guides(Arc::new(strands))) };
+        let layers = [(layer.clone(), Arc::new(bind_layer(&layer, None)))];
+        assert!(n_moved(Moved::Strands, &layers[0].0, &layers[0].1) > QUICK);
+        let (gpu, library) = (Gpu::headless().unwrap(), ShaderLibrary::embedded());
+        let gear = Gear { gpu: &gpu, library: &library, layers: &layers, field: None, waits: false };
+        let settings = SimulationSettings { moved: Moved::Strands, ..SimulationSettings::default() };
+        let mut maker = Maker::default();
+        let wait = |maker: &mut Maker| loop {
+            if let Some(solver) = maker.make(&gear, Moved::Strands, &settings).unwrap() {
+                return solver;
+            }
+            assert!(maker.is_making());
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        };
+        assert!(maker.make(&gear, Moved::Strands, &settings).unwrap().is_none(), "it takes its time elsewhere");
+        maker.forget();
+        let solver = wait(&mut maker);
+        assert!(!maker.is_making() && maker.hair()[0].curves.n_guides() == 1100);
+        // What is kept is there at once, and guides always are.
+        maker.put_back(solver);
+        assert!(maker.make(&gear, Moved::Strands, &settings).unwrap().is_some());
+        maker.forget();
+        assert!(maker.make(&gear, Moved::Guides, &settings).unwrap().is_some());
+        assert_eq!(maker.hair()[0].curves.n_guides(), 40);
+    }
+}
