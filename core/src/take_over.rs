@@ -11,6 +11,7 @@ use crate::edit::Edit;
 use crate::groom::{Groom, Layer, Source};
 use crate::guides::GuideSet;
 use crate::hair_mesh::{HairMesh, VertexId};
+use crate::maps::MapKind;
 use crate::sculpt::Sculpt;
 use crate::strands::Strands;
 
@@ -53,6 +54,22 @@ impl Groom {
             ..layer.clone()
         };
         Some(Edit::AddLayer { layer_idx: self.layers.len(), layer: Box::new(baked) })
+    }
+}
+
+impl Groom {
+    /// As [`Groom::baked`], of strands that were moved themselves: a layer of strands as they are, with nothing left of the
+    /// style that made them.
+    pub fn baked_strands(&self, layer_idx: usize, moved: &GuideSet) -> Option<Edit> {
+        let Edit::AddLayer { layer_idx: at, mut layer } = self.baked(layer_idx, moved)? else { return None };
+        let Source::Guides(strands) = &layer.source else { return None };
+        layer.n_strands = strands.n_strands() as u32;
+        layer.source = Source::Strands(Arc::clone(strands));
+        layer.style.clear();
+        // They are cut and placed already.
+        layer.maps.remove(&MapKind::Length);
+        layer.maps.remove(&MapKind::Density);
+        Some(Edit::AddLayer { layer_idx: at, layer })
     }
 }
 
@@ -104,6 +121,8 @@ fn vertices_at(mesh: &HairMesh, moved: &GuideSet) -> Option<Vec<(VertexId, Vec3)
 mod tests {
     use super::*;
     use crate::hair_mesh::HairMeshLayer;
+    use crate::moved::MovedHair;
+    use crate::simulation::Moved;
 
     fn groom_of(source: Source) -> Groom {
         Groom { layers: vec![Layer::new("a", source)], ..Groom::default() }
@@ -194,5 +213,27 @@ mod tests {
         assert_eq!(groom.layers.len(), 2);
         let Source::Guides(strands) = &groom.layers[1].source else { panic!() };
         assert_eq!(GuideSet::of_strands(strands), moved);
+    }
+
+    #[test]
+    fn baked_strands_are_drawn_where_they_are_whatever_style_had_made_them() {
+        let mut groom = groom_of(Source::HairMesh(Arc::new(mesh())));
+        groom.layers[0].n_strands = 30;
+        let binding = crate::binding::bind_layer(&groom.layers[0], None);
+        let hair = MovedHair::new(Moved::Strands, &groom.layers[0], &binding, None);
+        let moved = blown(&hair.curves);
+        groom.apply(groom.baked_strands(0, &moved).unwrap()).unwrap();
+        let baked = &groom.layers[1];
+        let binding = crate::binding::bind_layer(baked, None);
+        assert_eq!((binding.n_strands(), baked.style.len()), (30, 0));
+        let hair = MovedHair::new(Moved::Strands, baked, &binding, None);
+        // In whatever order: each is where one was.
+        for strand in hair.curves.positions.chunks(hair.curves.n_vertices as usize) {
+            let near = moved
+                .positions
+                .chunks(moved.n_vertices as usize)
+                .map(|other| strand.iter().zip(other).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max));
+            assert!(near.fold(f32::INFINITY, f32::min) < 1e-3);
+        }
     }
 }

@@ -184,15 +184,15 @@ fn the_budget_ends_what_is_kept_and_the_warm_up_comes_first() {
     groom.simulation.bend_length = 0.1;
     let mut show = Show::new(&groom);
     let n_bytes = 16 * 120 + 200;
-    show.stage.player().set_budget(26 * n_bytes);
+    show.stage.player().set_budget(24 * n_bytes);
     let (_, settled) = show.seek(0);
     let at_rest = &show.stage.bound().bindings().next().unwrap().guides.positions;
     let moved = settled.unwrap().positions[0].iter().zip(at_rest).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
     assert!(moved.is_finite());
-    show.play(35);
+    show.play(38);
     let kept = show.stage.player().frames().runs();
-    assert!(kept.len() == 1 && (20..30).contains(kept[0].end()), "{kept:?}");
-    assert!(show.at() >= 34);
+    assert!(kept.len() == 1 && (25..37).contains(kept[0].end()), "{kept:?}");
+    assert!(show.at() >= 37);
 }
 
 #[test]

@@ -11,6 +11,8 @@ use lorelei_core::history::Merge;
 use lorelei_core::io::Watch;
 use lorelei_core::io::gltf_motion::{read_motions, track_of};
 use lorelei_core::motion::PoseTrack;
+use lorelei_core::moved::moved_vertices;
+use lorelei_core::simulation::Moved;
 use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
 
@@ -116,10 +118,18 @@ impl Studio {
         };
         let edit = match how {
             TakeOver::Rest => rest_edit(groom, &shot),
-            TakeOver::Bake => guides_of(groom, &shot, selected).and_then(|guides| groom.baked(selected, &guides)),
+            TakeOver::Bake => {
+                let guides = guides_of(groom, &shot, selected).and_then(|guides| groom.baked(selected, &guides));
+                let strands = || groom.baked_strands(selected, &strands_of(groom, &shot, selected)?);
+                guides.or_else(strands)
+            }
         };
         let Some(edit) = edit else {
-            let text = "The groom has changed since the hair was simulated: play it again, then take it over.";
+            let text = if groom.simulation.moved == Moved::Strands {
+                "Every strand has moved by itself, and guides do not know where that brings them. Bake it to a layer of strands, or let guides or the hair mesh move and play again."
+            } else {
+                "The groom has changed since the hair was simulated: play it again, then take it over."
+            };
             self.desk.notices.push(Severity::Warning, "Nothing was taken over", text);
             return;
         };
@@ -135,6 +145,15 @@ impl Studio {
         self.desk.playback.n_resets += 1;
         self.desk.measure();
     }
+}
+
+/// Strands of a layer in head space as a shot has them, where they were moved themselves.
+fn strands_of(groom: &Groom, shot: &Shot, layer_idx: usize) -> Option<GuideSet> {
+    let n_vertices = moved_vertices(groom.layers.get(layer_idx)?);
+    let moved = shot.positions.get(layer_idx).filter(|moved| moved.len() % n_vertices as usize == 0)?;
+    let head_from_world = shot.world_from_head.inverse();
+    let positions = moved.iter().map(|p| head_from_world.transform_point3(*p)).collect();
+    (groom.simulation.moved == Moved::Strands).then_some(GuideSet { n_vertices, positions })
 }
 
 /// Guides of a layer in head space as a shot has them.
