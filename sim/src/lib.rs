@@ -15,6 +15,7 @@ pub mod contact;
 pub mod cpu;
 pub mod follow;
 pub mod gpu;
+pub mod laws;
 pub mod layer;
 pub mod measure;
 pub mod pose;

@@ -148,21 +148,27 @@ pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &RodParams, is_weight
         rest[k].numbers = Vec4::new(hold, wind, mass(&rest, k), joint_length(&rest, k));
     }
     let bend_length = (p.bend / STANDARD_GRAVITY).cbrt();
+    let stiff = |rest: &[RodRest], k: usize| p.bend / rest[k].numbers.w;
+    // The same at every joint: a twist is handed down as it is, and must be within what the next joint holds.
+    let softest = (1..n_edges).map(|k| stiff(&rest, k)).fold(f32::INFINITY, f32::min);
+    let most = (SELF_SUPPORT * p.bend / bend_length.max(MIN_EDGE)).min(2.0 * MOST_MOMENT * softest);
     let (mut moment, mut load) = (Vec3::ZERO, Vec3::ZERO);
     for k in (1..n_edges).rev() {
-        let stiff = p.bend / rest[k].numbers.w;
-        let most = 2.0 * MOST_MOMENT * stiff;
         let e = edge(k);
         if !is_weightless {
             load += rest[k + 1].numbers.z * Vec3::from_array(p.gravity);
             let needed = moment + e.cross(load);
-            let held = clamp_length(needed, (SELF_SUPPORT * p.bend / bend_length.max(MIN_EDGE)).min(most));
-            let carried = -(needed - held).cross(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE);
+            // A force on the edge's end carries what is across the edge, and none of what twists it.
+            let twist = moment.dot(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE) * e;
+            let across = needed - twist;
+            let held = clamp_length(across, (most * most - twist.length_squared()).max(0.0).sqrt());
+            let carried = -(across - held).cross(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE);
             load += carried;
             let support = carried / rest[k + 1].numbers.z;
             rest[k + 1].support = support.extend(rest[k + 1].support.w);
-            moment = clamp_length(moment + e.cross(load), most);
+            moment = twist + held;
         }
+        let stiff = stiff(&rest, k);
         let v = rotate(rest[k].frame.conjugate(), moment) / (2.0 * stiff.max(f32::MIN_POSITIVE));
         let deviation = Quat::from_xyzw(v.x, v.y, v.z, (1.0 - v.length_squared()).max(0.0).sqrt());
         rest[k].joint = (rest[k - 1].frame.conjugate() * rest[k].frame * deviation.conjugate()).normalize();

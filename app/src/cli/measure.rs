@@ -24,6 +24,7 @@ use serde_json::{Value, json};
 use super::{CliError, print_line};
 
 mod frames;
+mod laws;
 mod movement;
 mod page;
 mod paint;
@@ -38,7 +39,8 @@ pub struct MeasureArguments {
     /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter, size,
     /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
     /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}; of `movement`
-    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}]}.
+    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}]}; of `laws` {device, rows:
+    /// [{law, scene, of, value, unit, relation, bound, holds}]}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
@@ -53,6 +55,9 @@ pub struct MeasureArguments {
     /// Side of the picture in pixels. Of `transparency`.
     #[arg(long, value_name = "N", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=4096))]
     pub(super) size: u32,
+    /// The solvers of the graphics device, or their twins. Of `laws`.
+    #[arg(long, value_enum, default_value = "cpu")]
+    on: laws::Device,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -61,6 +66,8 @@ enum What {
     Frames,
     /// Relaxing, tracing, moving vertices, strokes, painting and undo.
     Grooming,
+    /// What must hold of hair that moves and of the air, under each solver: values, bounds, and which are broken.
+    Laws,
     /// Steps of the strand solvers on the GPU and on the CPU.
     Movement,
     /// Baking the tables of every model of scattering that has some.
@@ -87,6 +94,7 @@ pub fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         What::Grooming => grooming()?,
         What::Scattering => scattering(),
         What::Frames => return frames::run(arguments),
+        What::Laws => return laws::run(arguments),
         What::Movement => return movement::run(arguments),
         What::Shadowing => return shadowing::run(arguments),
         What::Transparency => return transparency::run(arguments),

@@ -6,8 +6,7 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::HeadPose;
 use lorelei_core::simulation::{Pearl, SimulationSettings};
 use lorelei_sim::CpuSolver;
-
-use crate::grooms::{ball_field, draped};
+use lorelei_sim::laws::scenes::{ball_field, draped};
 
 /// Eight strands of 30 cm that hang side by side from (0, 0, z).
 fn curtain(n_vertices: u32) -> GuideSet {

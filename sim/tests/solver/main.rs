@@ -1,7 +1,6 @@
 //! The laws that both solvers keep, and that they agree.
 
 mod contacts;
-mod grooms;
 mod laws;
 mod moved;
 mod pulls;

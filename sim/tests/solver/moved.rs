@@ -10,9 +10,8 @@ use lorelei_core::motion::Motion;
 use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Gpu, ShaderLibrary};
+use lorelei_sim::laws::scenes::{RADIUS, ball_field, draped};
 use lorelei_sim::{CpuSolver, GpuSolver};
-
-use crate::grooms::{RADIUS, ball_field, draped};
 
 /// A strip of quads over the ball whose columns hang as the guides of [`draped`] do.
 fn mesh() -> HairMesh {

@@ -4,9 +4,9 @@ use glam::{Affine3A, Vec3, Vec4Swizzles};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::Motion;
 use lorelei_core::simulation::{SimulationSettings, Solver};
+use lorelei_sim::laws::scenes::{ball_field, draped};
 use lorelei_sim::{CpuSolver, Pull};
 
-use crate::grooms::{ball_field, draped};
 use crate::twins::Twins;
 
 const N: usize = 24;

@@ -11,8 +11,7 @@ use lorelei_core::motion::Motion;
 use lorelei_core::simulation::{Interpolated, SimulationSettings};
 use lorelei_core::strands::Strands;
 use lorelei_sim::CpuSolver;
-
-use crate::grooms::{RADIUS, ball_field, draped};
+use lorelei_sim::laws::scenes::{RADIUS, ball_field, draped};
 
 fn ball() -> Head {
     let n = 32_u32;

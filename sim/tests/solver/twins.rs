@@ -6,9 +6,8 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
 use lorelei_core::simulation::{Pearl, SimulationSettings, Solver, Volume};
 use lorelei_shaders::{Gpu, ShaderLibrary};
+use lorelei_sim::laws::scenes::{ball_field, draped};
 use lorelei_sim::{CpuSolver, GpuSolver, SolverState};
-
-use crate::grooms::{ball_field, draped};
 
 pub struct Twins {
     gpu: Gpu,
