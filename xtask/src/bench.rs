@@ -7,6 +7,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use crate::machine::{self, Needs, binary, root};
+use crate::numbers::{number, text};
 use crate::run::build_release;
 
 const N_ROUNDS: usize = 3;
@@ -186,31 +187,5 @@ impl Spread {
 impl std::fmt::Display for Spread {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{:8.1} (min {:.1}, max {:.1})", self.median, self.min, self.max)
-    }
-}
-
-/// The number after `"key":` in the program's own flat JSON. A JSON library would be this program's only dependency.
-fn number(json: &str, key: &str) -> Result<f64, String> {
-    let missing = || format!("lorelei printed no `{key}`: {json}");
-    let after = json.split_once(&format!("\"{key}\":")).ok_or_else(missing)?.1.trim_start();
-    let end = after.find(|c: char| !(c.is_ascii_digit() || ".-+eE".contains(c))).unwrap_or(after.len());
-    after[..end].parse().map_err(|_| missing())
-}
-
-fn text(json: &str, key: &str) -> Option<String> {
-    let after = json.split_once(&format!("\"{key}\":"))?.1.trim_start().strip_prefix('"')?;
-    Some(after.split('"').next()?.to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_and_texts_are_read_from_flat_json() {
-        let json = r#"{"adapter": "llvmpipe (LLVM 15)", "frame_ms": 12.5e1, "out": "x.png"}"#;
-        assert_eq!(number(json, "frame_ms"), Ok(125.0));
-        assert_eq!(text(json, "adapter").as_deref(), Some("llvmpipe (LLVM 15)"));
-        assert!(number(json, "missing").is_err());
     }
 }

@@ -3,9 +3,11 @@
 //! One program instead of shell scripts, so that the same words work on Linux, macOS and Windows.
 
 mod bench;
+mod filmstrips;
 mod fuzz;
 mod golden;
 mod machine;
+mod numbers;
 mod run;
 mod test;
 
@@ -23,6 +25,9 @@ Usage: cargo xtask COMMAND [-- ARGUMENTS]
   lint             format check and clippy, warnings denied
   fuzz [SECONDS] [TARGET]...
                    libFuzzer over the file readers, SECONDS for each (60)
+  filmstrips [STYLE]...
+                   every motion on every embedded style as eight frames side by side, in out/filmstrips, and their
+                   numbers on the page of docs/; a named style anew; --debug with the program as built for developing
   bench            measure speed on this machine and print tables
   bake [NAME]...   make the embedded head and hairstyles anew, or only the styles that are named; after `check`,
                    compare them with those that are there
@@ -44,6 +49,7 @@ fn main() -> ExitCode {
         "run" => run::run(&args),
         "test" => test::test(&args),
         "lint" => test::lint(),
+        "filmstrips" => filmstrips::filmstrips(&args),
         "bench" => bench::bench(&args),
         "bake" => bake_command(&args),
         "fuzz" => fuzz::fuzz(&args),

@@ -44,7 +44,7 @@ pub struct MeasureArguments {
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "")]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "", value_parser = path_or_none)]
     pub(super) write: Option<std::path::PathBuf>,
     /// Strands of each groom. Of `shadowing` (20,000 without it), `transparency` (as many as the groom has) and `frames`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
@@ -76,6 +76,11 @@ enum What {
     Shadowing,
     /// Every transparency and antialiasing against the exact picture, GPU times and bytes.
     Transparency,
+}
+
+/// A path, which may be empty: clap's own parser of paths takes none that is.
+fn path_or_none(text: &str) -> Result<std::path::PathBuf, std::convert::Infallible> {
+    Ok(text.into())
 }
 
 /// One line of the table.
