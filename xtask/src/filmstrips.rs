@@ -110,11 +110,12 @@ fn row(style: &str, motion: &str, json: &str) -> Result<String, String> {
     let mut row = format!("| {style} | {motion} |");
     for key in NUMBERS {
         let value = number(json, key)?;
-        row += &match key {
+        let cell = match key {
             "nan" => format!(" {value} |"),
             "length_error_max" => format!(" {:.4} % |", 100.0 * value),
             _ => format!(" {value:.3} |"),
         };
+        row.push_str(&cell);
     }
     Ok(row + "\n")
 }

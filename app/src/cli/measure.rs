@@ -1,8 +1,10 @@
 //! `lorelei measure`: what this machine needs for the studio's work, and what techniques get wrong, without a window.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
+use clap::builder::{OsStringValueParser, TypedValueParser};
 use glam::Vec3;
 use lorelei_core::binding::bind_layer;
 use lorelei_core::brush::Brush;
@@ -44,8 +46,8 @@ pub struct MeasureArguments {
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
-    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "", value_parser = path_or_none)]
-    pub(super) write: Option<std::path::PathBuf>,
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "", value_parser = path_or_none())]
+    pub(super) write: Option<PathBuf>,
     /// Strands of each groom. Of `shadowing` (20,000 without it), `transparency` (as many as the groom has) and `frames`.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(super) strands: Option<u32>,
@@ -79,8 +81,8 @@ enum What {
 }
 
 /// A path, which may be empty: clap's own parser of paths takes none that is.
-fn path_or_none(text: &str) -> Result<std::path::PathBuf, std::convert::Infallible> {
-    Ok(text.into())
+fn path_or_none() -> impl TypedValueParser<Value = PathBuf> {
+    OsStringValueParser::new().map(PathBuf::from)
 }
 
 /// One line of the table.
