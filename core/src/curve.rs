@@ -12,6 +12,17 @@ pub fn catmull_rom_weights(x: f32) -> [f32; 4] {
     [0.5 * (-x + 2.0 * x2 - x3), 0.5 * (2.0 - 5.0 * x2 + 3.0 * x3), 0.5 * (x + 4.0 * x2 - 3.0 * x3), 0.5 * (x3 - x2)]
 }
 
+/// How these weights change with `x`: the curve's direction from its control points.
+pub fn catmull_rom_slopes(x: f32) -> [f32; 4] {
+    let x2 = x * x;
+    [
+        0.5 * (-1.0 + 4.0 * x - 3.0 * x2),
+        0.5 * (-10.0 * x + 9.0 * x2),
+        0.5 * (1.0 + 8.0 * x - 9.0 * x2),
+        0.5 * (3.0 * x2 - 2.0 * x),
+    ]
+}
+
 /// The curve through `points` at `u`, from 0 at the first to `points.len() - 1` at the last; clamped.
 pub fn catmull_rom(points: &[Vec3], u: f32) -> Vec3 {
     let Some(last) = points.len().checked_sub(1) else { return Vec3::ZERO };

@@ -3,13 +3,13 @@
 use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
-use lorelei_core::moved::{Follow, MovedHair, Spline};
+use lorelei_core::moved::{Follow, MovedHair};
 use lorelei_core::simulation::SimulationSettings;
 
 use crate::air::{AirFrame, CpuAir, HairAmount};
 use crate::clock::{Clock, Frame};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
-use crate::follow::follow_curves;
+use crate::follow::Following;
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
@@ -24,7 +24,7 @@ use crate::wind::cpu::HairLayer;
 pub struct CpuSolver {
     layers: Vec<SimulatedLayer>,
     /// Of every layer: its guides, where what moves are others, and where they are shown.
-    followed: Vec<Option<(Spline, Vec<Vec4>)>>,
+    followed: Vec<Option<(Following, Vec<Vec4>)>>,
     /// Of every layer.
     hair: Vec<HairAmount>,
     field: Option<DistanceField>,
@@ -68,18 +68,18 @@ impl CpuSolver {
         for (layer_idx, hair) in hair.iter().enumerate() {
             solver.set_ties(layer_idx, &hair.ties);
             if let Follow::Spline(spline) = &hair.follow {
-                solver.followed[layer_idx] = Some((spline.clone(), Vec::new()));
+                solver.followed[layer_idx] = Some((Following::new(spline, &hair.curves), Vec::new()));
             }
         }
-        solver.follow();
+        solver.follow(Pose::IDENTITY);
         solver
     }
 
-    /// Let guides follow what has moved.
-    fn follow(&mut self) {
+    /// Let guides follow what has moved, on a head at `pose`.
+    fn follow(&mut self, pose: Pose) {
         for (layer, followed) in self.layers.iter().zip(&mut self.followed) {
-            if let Some((spline, shown)) = followed {
-                *shown = follow_curves(spline, layer.rest.n_vertices, &layer.shown);
+            if let Some((following, shown)) = followed {
+                *shown = following.follow_curves(&layer.shown, pose.rotation);
             }
         }
     }
@@ -171,7 +171,7 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.reset(self.pose);
         }
-        self.follow();
+        self.follow(self.pose);
     }
 
     /// World positions of a layer's guides, or of its strands where those are moved, as the picture shows them: vertex `k`
@@ -183,7 +183,7 @@ impl CpuSolver {
     /// Set the state: positions now and one step ago, world.
     pub fn set_state(&mut self, layer_idx: usize, x: &[Vec3], prev: &[Vec3]) {
         self.layers[layer_idx].put(x, prev);
-        self.follow();
+        self.follow(self.pose);
     }
 
     /// Everything that the solver goes on from.
@@ -206,7 +206,7 @@ impl CpuSolver {
             layer.set_state_vec4s(&arrays[0]);
             layer.shown.clone_from(&arrays[1]);
         }
-        self.follow();
+        self.follow(self.pose);
         true
     }
 
@@ -245,7 +245,7 @@ impl CpuSolver {
         for layer in &mut self.layers {
             layer.run(&air, obstacles, &pull, frame);
         }
-        self.follow();
+        self.follow(self.pose);
     }
 }
 

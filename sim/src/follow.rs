@@ -1,82 +1,124 @@
-//! Guides that follow moved curves of fewer vertices: a hair mesh's chains. Twin of `sim_follow.wgsl`.
+//! Guides that follow moved curves: a hair mesh's chains, or a rope. Twin of `sim_follow.wgsl`.
 
-use glam::{Vec3, Vec4, Vec4Swizzles};
-use lorelei_core::moved::{Spline, SplineRow};
+use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::guides::GuideSet;
+use lorelei_core::moved::Spline;
 use lorelei_shaders::{Gpu, Kernel, ShaderError};
 use rayon::prelude::*;
 
-/// A guide's vertex from the vertices of its curve.
-fn row_sum(row: &SplineRow, curve: &[Vec4]) -> Vec3 {
-    row.vertices.iter().zip(row.weights).map(|(&v, w)| w * curve[v as usize].xyz()).sum()
+/// How a layer's guides follow, and what that is at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Following {
+    spline: Spline,
+    /// Vertices of a curve.
+    n_curve: u32,
+    /// Per guide vertex: the curve's direction at its place, at rest in head space; empty where guides lie on their curve.
+    tangents: Vec<Vec3>,
 }
 
-/// All guides, from curves of `n_curve` vertices each.
-pub fn follow_curves(spline: &Spline, n_curve: u32, curves: &[Vec4]) -> Vec<Vec4> {
-    let n_guide = spline.n_vertices as usize;
-    let of_guide = |(&first, curve): (&u32, &[Vec4])| {
-        let rows = &spline.rows[first as usize..first as usize + n_guide];
-        rows.iter().map(|row| row_sum(row, curve).extend(0.0)).collect::<Vec<_>>()
-    };
-    spline.first_rows.par_iter().zip(curves.par_chunks(n_curve.max(1) as usize)).flat_map_iter(of_guide).collect()
+impl Following {
+    /// `curves` are at rest.
+    pub fn new(spline: &Spline, curves: &GuideSet) -> Self {
+        let n_guide = spline.n_vertices as usize;
+        let tangent = |idx: usize| {
+            let row = &spline.rows[spline.first_rows[idx / n_guide] as usize + idx % n_guide];
+            let curve = curves.guide(spline.curve_of[idx / n_guide] as usize);
+            row.vertices.iter().zip(row.slopes).map(|(&v, w)| w * curve[v as usize]).sum()
+        };
+        let tangents = (0..spline.offsets.len()).map(tangent).collect();
+        Self { spline: spline.clone(), n_curve: curves.n_vertices, tangents }
+    }
+
+    /// Vertices of all guides.
+    pub fn n_shown(&self) -> usize {
+        self.spline.first_rows.len() * self.spline.n_vertices as usize
+    }
+
+    /// All guides, where the picture shows the curves, on a head that is turned by `rotation`.
+    pub fn follow_curves(&self, curves: &[Vec4], rotation: Quat) -> Vec<Vec4> {
+        let n_guide = self.spline.n_vertices as usize;
+        let follow = |item: usize| {
+            let guide = item / n_guide;
+            let row = &self.spline.rows[self.spline.first_rows[guide] as usize + item % n_guide];
+            let first = self.spline.curve_of[guide] * self.n_curve;
+            let offset = self.spline.offsets.get(item).map(|&offset| (offset, self.tangents[item]));
+            Spline::place(row, |v| curves[(first + v) as usize].xyz(), offset, rotation).extend(0.0)
+        };
+        (0..self.n_shown()).into_par_iter().map(follow).collect()
+    }
 }
 
 /// Layout of `FollowParams` in WGSL.
 #[derive(Debug, Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 struct FollowParams {
+    rotation: [f32; 4],
     n_guide: u32,
     n_curve: u32,
     n_items: u32,
-    pad: u32,
+    is_beside: u32,
 }
 
-/// A layer's guides on the GPU, and how they follow.
+/// A layer's guides on the GPU.
 pub(crate) struct Followed {
-    spline: Spline,
-    n_curve: u32,
-    params: wgpu::Buffer,
-    first_rows: wgpu::Buffer,
+    following: Following,
+    leads: wgpu::Buffer,
     rows: wgpu::Buffer,
+    offsets: wgpu::Buffer,
     /// Where the picture shows the guides: `array<vec4<f32>>`.
     pub positions: wgpu::Buffer,
 }
 
 impl Followed {
-    /// `curves` are shown now, with `n_curve` vertices each.
-    pub fn new(gpu: &Gpu, spline: &Spline, n_curve: u32, curves: &[Vec4]) -> Self {
+    /// `curves` are shown now, on a head that is not turned.
+    pub fn new(gpu: &Gpu, following: Following, curves: &[Vec4]) -> Self {
         let storage = wgpu::BufferUsages::STORAGE;
-        let positions = follow_curves(spline, n_curve, curves);
-        let params = FollowParams { n_guide: spline.n_vertices, n_curve, n_items: positions.len() as u32, pad: 0 };
+        let spline = &following.spline;
+        let leads: Vec<[u32; 2]> =
+            spline.curve_of.iter().zip(&spline.first_rows).map(|(&curve, &first)| [curve, first]).collect();
+        let offsets: Vec<[Vec4; 2]> = (spline.offsets.iter().zip(&following.tangents))
+            .map(|(offset, tangent)| [offset.extend(0.0), tangent.extend(0.0)])
+            .collect();
+        let positions = following.follow_curves(curves, Quat::IDENTITY);
         Self {
-            params: gpu.buffer_of("sim.follow", &[params], wgpu::BufferUsages::UNIFORM),
-            first_rows: gpu.buffer_of("sim.follow.first_rows", &spline.first_rows, storage),
+            leads: gpu.buffer_of("sim.follow.leads", &leads, storage),
             rows: gpu.buffer_of("sim.follow.rows", &spline.rows, storage),
+            offsets: gpu.buffer_of("sim.follow.offsets", &offsets, storage),
             positions: gpu.buffer_of("sim.followed", &positions, storage | wgpu::BufferUsages::COPY_SRC),
-            spline: spline.clone(),
-            n_curve,
+            following,
         }
     }
 
     /// Follow curves that are known on the CPU, from before what is submitted later.
-    pub fn send(&self, gpu: &Gpu, curves: &[Vec4]) {
-        let positions = follow_curves(&self.spline, self.n_curve, curves);
+    pub fn send(&self, gpu: &Gpu, curves: &[Vec4], rotation: Quat) {
+        let positions = self.following.follow_curves(curves, rotation);
         if !positions.is_empty() {
             gpu.queue.write_buffer(&self.positions, 0, bytemuck::cast_slice(&positions));
         }
     }
 
-    /// Follow curves that a dispatch before this one has moved.
+    /// Follow curves that a dispatch before this one has moved, on a head that is turned by `rotation`.
     pub fn record(
         &self,
         gpu: &Gpu,
         kernel: &Kernel,
         pass: &mut wgpu::ComputePass<'_>,
         curves: &wgpu::Buffer,
+        rotation: Quat,
     ) -> Result<(), ShaderError> {
+        let params = FollowParams {
+            rotation: rotation.to_array(),
+            n_guide: self.following.spline.n_vertices,
+            n_curve: self.following.n_curve,
+            n_items: self.n_shown() as u32,
+            is_beside: u32::from(!self.following.spline.offsets.is_empty()),
+        };
+        let params = gpu.buffer_of("sim.follow", &[params], wgpu::BufferUsages::UNIFORM);
         let resources = [
-            ("follow", self.params.as_entire_binding()),
-            ("first_rows", self.first_rows.as_entire_binding()),
+            ("follow", params.as_entire_binding()),
+            ("leads", self.leads.as_entire_binding()),
             ("rows", self.rows.as_entire_binding()),
+            ("offsets", self.offsets.as_entire_binding()),
             ("curves", curves.as_entire_binding()),
             ("followed", self.positions.as_entire_binding()),
         ];
@@ -87,6 +129,6 @@ impl Followed {
 
     /// Vertices of all guides.
     pub fn n_shown(&self) -> usize {
-        self.spline.first_rows.len() * self.spline.n_vertices as usize
+        self.following.n_shown()
     }
 }

@@ -14,7 +14,7 @@ use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, Shader
 use crate::air::{AirFrame, GpuAir, HairAmount, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
-use crate::follow::Followed;
+use crate::follow::{Followed, Following};
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
@@ -82,15 +82,15 @@ impl Layer {
         }
     }
 
-    /// Send the model's state, from before what is submitted later.
-    fn send_state(&self, gpu: &Gpu) {
+    /// Send the model's state, of a head at `pose`, from before what is submitted later.
+    fn send_state(&self, gpu: &Gpu, pose: Pose) {
         for (buffer, contents) in [(&self.state, self.model.state_vec4s()), (&self.positions, &self.model.shown)] {
             if !contents.is_empty() {
                 gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
             }
         }
         if let Some(followed) = &self.followed {
-            followed.send(gpu, &self.model.shown);
+            followed.send(gpu, &self.model.shown, pose.rotation);
         }
     }
 }
@@ -198,7 +198,8 @@ impl GpuSolver {
                     solver.follow = Some(library.kernel(gpu, "sim_follow", "follow_curves", &[], &[])?);
                 }
                 let layer = &mut solver.layers[layer_idx];
-                layer.followed = Some(Followed::new(gpu, spline, hair.curves.n_vertices, &layer.model.shown));
+                let following = Following::new(spline, &hair.curves);
+                layer.followed = Some(Followed::new(gpu, following, &layer.model.shown));
             }
         }
         Ok(solver)
@@ -224,7 +225,7 @@ impl GpuSolver {
                 let followed = layer.followed.take();
                 *layer = Layer::new(&self.gpu, layer.model.under(obstacles, settings, self.pose));
                 layer.followed = followed;
-                layer.send_state(&self.gpu);
+                layer.send_state(&self.gpu, self.pose);
             } else if layer.model.set_settings(obstacles, are_moved, settings, self.pose) {
                 self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
             }
@@ -301,7 +302,7 @@ impl GpuSolver {
         self.air = GpuAir::default();
         for layer in &mut self.layers {
             layer.model.reset(self.pose);
-            layer.send_state(&self.gpu);
+            layer.send_state(&self.gpu, self.pose);
         }
     }
 
@@ -321,7 +322,7 @@ impl GpuSolver {
         let layer = &mut self.layers[layer_idx];
         layer.model.reset(self.pose);
         layer.model.put(x, prev);
-        layer.send_state(&self.gpu);
+        layer.send_state(&self.gpu, self.pose);
     }
 
     /// Everything that the solver goes on from, after what was submitted. Waits for the GPU.
@@ -345,7 +346,7 @@ impl GpuSolver {
         for (layer, arrays) in self.layers.iter_mut().zip(arrays.chunks_exact(2)) {
             layer.model.set_state_vec4s(&arrays[0]);
             layer.model.shown.clone_from(&arrays[1]);
-            layer.send_state(&self.gpu);
+            layer.send_state(&self.gpu, self.pose);
         }
         true
     }
@@ -429,7 +430,7 @@ impl GpuSolver {
         }
         for layer in &self.layers {
             if let (Some(followed), Some(kernel)) = (&layer.followed, &self.follow) {
-                followed.record(&self.gpu, kernel, &mut pass, &layer.positions)?;
+                followed.record(&self.gpu, kernel, &mut pass, &layer.positions, frame.shown.rotation)?;
             }
         }
         Ok(())

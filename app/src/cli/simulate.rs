@@ -29,7 +29,7 @@ use crate::stage::pacer::Detail;
 use crate::stage::{Playback, Stage, bounds_of};
 
 const AFTER_HELP: &str = "\
-What is printed, of what is moved (--set moved=guides|mesh|strands):
+What is printed, of what is moved (--set moved=guides|mesh|rope|strands):
   length_error_rms, length_error_max   of each edge over its rest length, less 1; over all frames
   penetration_max_cm                   deepest below the head's surface, and below where it rests
   kinetic_energy                       mean half speed squared, erg/g, at each frame
@@ -267,6 +267,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         match moved {
             Moved::Guides => "guides",
             Moved::Mesh => "chains",
+            Moved::Rope => "ropes",
             Moved::Strands => "strands",
         },
         subject.n_vertices()

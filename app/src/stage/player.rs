@@ -487,7 +487,7 @@ impl Player {
             };
             match (positions, self.moved) {
                 (None, _) => MovedLayer::Nothing,
-                (Some(positions), Moved::Guides | Moved::Mesh) => MovedLayer::Guides(positions),
+                (Some(positions), Moved::Guides | Moved::Mesh | Moved::Rope) => MovedLayer::Guides(positions),
                 (Some(positions), Moved::Strands) => {
                     MovedLayer::Strands { positions, n_vertices: moved_vertices(&self.layers[layer_idx].0) }
                 }
@@ -560,7 +560,7 @@ impl Player {
 fn moves_alike(moved: Moved, (layer, binding): &LayerHair, (other_layer, other): &LayerHair) -> bool {
     let has_same_guides = Arc::ptr_eq(binding, other) || binding.guides == other.guides;
     match moved {
-        Moved::Guides | Moved::Mesh => has_same_guides,
+        Moved::Guides | Moved::Mesh | Moved::Rope => has_same_guides,
         Moved::Strands => {
             Arc::ptr_eq(binding, other)
                 && layer.style == other_layer.style

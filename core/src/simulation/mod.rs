@@ -31,6 +31,7 @@ choices! {
     Moved {
         Guides = "guides", "Guides", "Each guide by itself; strands are blended between guides";
         Mesh = "mesh", "Hair mesh", "The edges that lead from layer to layer of a hair mesh: a few stiff links a lock, cheapest, and locks stay whole";
+        Rope = "rope", "Rope", "What hangs together on the scalp as one: a braid, a ponytail, a lock";
         Strands = "strands", "Every strand", "Each strand that is drawn, with its own curl: for a fast graphics card";
     }
 }

@@ -4,17 +4,22 @@
 //! - **Hair mesh** (Yuksel, Schaefer, Keyser 2009, section 4): the edges that lead a vertex of the mesh from layer to layer
 //!   are the links of an articulated chain. Guides are splines through its joints, as they are when the mesh is modelled,
 //!   so that hair at rest is the same hair.
+//! - **Rope**: a braid, a ponytail, a lock is one curve, the middle of a hair mesh's piece that is one on the scalp; guides go
+//!   with it as if they were drawn on it.
 //! - **Every strand**: the strands themselves, as style and brushes have made them.
 
-use glam::Vec3;
+mod joints;
+mod rope;
+
+use glam::{Quat, Vec3};
 
 use crate::binding::LayerBinding;
-use crate::curve::{catmull_rom, catmull_rom_weights};
+use crate::curve::{catmull_rom, catmull_rom_slopes, catmull_rom_weights};
 use crate::distance_field::DistanceField;
 use crate::generate::{Pose, generate};
 use crate::groom::{Layer, Source};
-use crate::guides::{GuideSet, divide_gaps};
-use crate::hair_mesh::{Chains, HairMesh};
+use crate::guides::GuideSet;
+use crate::hair_mesh::HairMesh;
 use crate::maps::MapKind;
 use crate::simulation::Moved;
 
@@ -42,52 +47,70 @@ pub enum Follow {
     Strands,
 }
 
-/// Guides as sums of the vertices of as many curves. Vertex `k` of guide `g` is the sum over `rows[first_rows[g] + k]`.
+/// Guides that lie on curves, or beside them. Vertex `k` of guide `g` follows by `rows[first_rows[g] + k]` the curve
+/// `curve_of[g]`.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Spline {
     /// Vertices of a guide.
     pub n_vertices: u32,
+    pub curve_of: Vec<u32>,
     pub first_rows: Vec<u32>,
     pub rows: Vec<SplineRow>,
-    /// Where each vertex of a curve is along its guide, in the guide's vertices; a run for every height of bundle.
+    /// Per guide vertex: from its place on the curve, at rest in head space; it turns with the curve. Empty: none.
+    pub offsets: Vec<Vec3>,
+    /// Where each vertex of a curve is along its guides, in their vertices, or [`BEYOND`]; a run of them for every first row.
     samples: Vec<f32>,
 }
 
-/// Vertices of a curve, counted from its root, and their weights.
+/// A place on a curve: vertices, counted from its root, and their weights; and the weights of the curve's direction there.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct SplineRow {
     pub vertices: [u32; 4],
     pub weights: [f32; 4],
+    pub slopes: [f32; 4],
 }
 
+/// The curve has a vertex where a guide has ended.
+const BEYOND: f32 = -1.0;
 /// Most vertices of a moved strand: as many as a workgroup of the solver has threads.
 const MOST_VERTICES: u32 = 64;
-/// Where the chain of a hair mesh has a vertex of its own, as a share of its first part: the way that hair leaves the scalp.
-const ROOT_SHARE: f32 = 0.15;
-
 impl MovedHair {
     /// What is moved of a layer that is bound; `field` is the head's, in head space. A layer that is no hair mesh has
     /// nothing but guides to move instead.
     pub fn new(moved: Moved, layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
         match (moved, &layer.source) {
             (Moved::Strands, _) => Self::of_strands(layer, binding, field),
-            (Moved::Mesh, Source::HairMesh(mesh)) => Self::of_hair_mesh(mesh, binding),
-            (Moved::Mesh | Moved::Guides, _) => {
+            (Moved::Mesh, Source::HairMesh(mesh)) => Self::of_hair_mesh(mesh, binding, false),
+            (Moved::Rope, Source::HairMesh(mesh)) => Self::of_hair_mesh(mesh, binding, true),
+            (Moved::Mesh | Moved::Rope | Moved::Guides, _) => {
                 Self { curves: binding.guides.clone(), ties: binding.guide_ties(), follow: Follow::Guides }
             }
         }
     }
 
-    fn of_hair_mesh(mesh: &HairMesh, binding: &LayerBinding) -> Self {
+    fn of_hair_mesh(mesh: &HairMesh, binding: &LayerBinding, is_rope: bool) -> Self {
         let chains = mesh.chains();
         // A mesh of roots alone has no edge to move; and guides that were bound before the mesh changed are of another.
         let is_bound = chains.chains.len() == binding.guides.n_guides();
         if mesh.layers.len() < 2 || !is_bound {
             return Self { curves: binding.guides.clone(), ties: binding.guide_ties(), follow: Follow::Guides };
         }
-        let (curves, spline) = joints_of(mesh, &chains, binding.guides.n_vertices);
-        Self { curves, ties: binding.guide_ties(), follow: Follow::Spline(spline) }
+        let ties = binding.guide_ties();
+        let (curves, spline, ties) = if is_rope {
+            let (curves, spline) = rope::ropes_of(mesh, &chains, &binding.guides);
+            let of_rope = |rope: usize| {
+                let of_guides = ties.iter().zip(&spline.curve_of).filter(|(_, of)| **of as usize == rope);
+                let (sum, n) = of_guides.fold((0.0, 0), |(sum, n), (tie, _)| (sum + tie, n + 1));
+                sum / n.max(1) as f32
+            };
+            let ties = (0..curves.n_guides()).map(of_rope).collect();
+            (curves, spline, ties)
+        } else {
+            let (curves, spline) = joints::joints_of(mesh, &chains, binding.guides.n_vertices);
+            (curves, spline, ties)
+        };
+        Self { curves, ties, follow: Follow::Spline(spline) }
     }
 
     fn of_strands(layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
@@ -104,12 +127,17 @@ impl MovedHair {
     pub fn curves_of(&self, shown: &[Vec3]) -> Vec<Vec3> {
         let Follow::Spline(spline) = &self.follow else { return shown.to_vec() };
         let (n_guide, n_curve) = (spline.n_vertices as usize, self.curves.n_vertices as usize);
-        let of_guide = |(guide, &first): (&[Vec3], &u32)| {
-            let height = first as usize / n_guide;
-            let samples = spline.samples[height * n_curve..(height + 1) * n_curve].iter();
-            samples.map(|&at| catmull_rom(guide, at)).collect::<Vec<_>>()
-        };
-        shown.chunks_exact(n_guide).zip(&spline.first_rows).flat_map(of_guide).collect()
+        let mut sums = vec![(Vec3::ZERO, 0.0_f32); self.curves.positions.len()];
+        for (guide_idx, guide) in shown.chunks_exact(n_guide).enumerate().take(spline.curve_of.len()) {
+            let first = spline.curve_of[guide_idx] as usize * n_curve;
+            let run = spline.first_rows[guide_idx] as usize / n_guide * n_curve;
+            let samples = sums[first..].iter_mut().zip(&spline.samples[run..run + n_curve]);
+            for (sum, &at) in samples.filter(|(_, at)| **at != BEYOND) {
+                *sum = (sum.0 + catmull_rom(guide, at), sum.1 + 1.0);
+            }
+        }
+        // What lies around a curve has it in its middle.
+        sums.into_iter().map(|(sum, n)| sum / n.max(1.0)).collect()
     }
 
     /// Vertices of what is drawn from: guides, or strands.
@@ -125,7 +153,7 @@ impl MovedHair {
 pub fn n_moved(moved: Moved, layer: &Layer, binding: &LayerBinding) -> usize {
     match moved {
         Moved::Strands => binding.n_strands() * moved_vertices(layer) as usize,
-        Moved::Guides | Moved::Mesh => binding.guides.positions.len(),
+        Moved::Guides | Moved::Mesh | Moved::Rope => binding.guides.positions.len(),
     }
 }
 
@@ -134,38 +162,27 @@ pub fn moved_vertices(layer: &Layer) -> u32 {
     layer.vertices_per_strand.clamp(4, MOST_VERTICES)
 }
 
-/// The chains of a hair mesh as curves of one vertex count, and how its guides run through their joints. Chains of lower
-/// bundles have vertices between their joints.
-fn joints_of(mesh: &HairMesh, chains: &Chains, n_guide: u32) -> (GuideSet, Spline) {
-    let n_gaps_most = mesh.layers.len() - 1;
-    let parameters_of: Vec<Vec<f32>> = (0..=n_gaps_most).map(|n_gaps| with_root(n_gaps, n_gaps_most)).collect();
-    let n_vertices = n_gaps_most as u32 + 2;
-    let mut positions = Vec::with_capacity(chains.chains.len() * n_vertices as usize);
-    for chain in &chains.chains {
-        let joints: Vec<Vec3> = chain.iter().zip(&mesh.layers).map(|(&v, layer)| layer.positions[v as usize]).collect();
-        positions.extend(parameters_of[joints.len() - 1].iter().map(|&u| catmull_rom(&joints, u)));
+impl Spline {
+    /// Where a guide's vertex is, of a head that is turned by `rotation`; `curve` are the vertices of its curve now,
+    /// `tangent` the curve's direction there at rest. Twin in sim_follow.wgsl.
+    pub fn place(row: &SplineRow, curve: impl Fn(u32) -> Vec3, offset: Option<(Vec3, Vec3)>, rotation: Quat) -> Vec3 {
+        let sum = |weights: [f32; 4]| -> Vec3 { row.vertices.iter().zip(weights).map(|(&v, w)| w * curve(v)).sum() };
+        let on_curve = sum(row.weights);
+        let Some((offset, tangent)) = offset else { return on_curve };
+        on_curve + turned(rotation * offset, rotation * tangent, sum(row.slopes))
     }
-    let mut rows = Vec::with_capacity((n_gaps_most + 1) * n_guide as usize);
-    let mut samples = Vec::with_capacity((n_gaps_most + 1) * n_vertices as usize);
-    for (n_gaps, parameters) in parameters_of.iter().enumerate() {
-        let joint = |k: usize| {
-            let at = parameters.iter().position(|&u| u >= k as f32);
-            at.unwrap_or(parameters.len() - 1) as u32
-        };
-        let joints: Vec<u32> = (0..=n_gaps).map(joint).collect();
-        let of_guide = divide_gaps(n_gaps, n_guide.max(2) as usize - 1);
-        rows.extend(of_guide.iter().map(|&u| row_at(&joints, u)));
-        samples.extend(parameters.iter().map(|&u| sample_at(&of_guide, u)));
-    }
-    let first_rows = chains.chains.iter().map(|chain| (chain.len() as u32 - 1) * n_guide).collect();
-    (GuideSet { n_vertices, positions }, Spline { n_vertices: n_guide, first_rows, rows, samples })
 }
 
-/// Parameters of a chain's vertices, in gaps: root, the way out of the scalp, and on, joints among them.
-fn with_root(n_gaps: usize, n_gaps_most: usize) -> Vec<f32> {
-    let mut parameters = divide_gaps(n_gaps, n_gaps_most);
-    parameters.insert(1, ROOT_SHARE * parameters[1]);
-    parameters
+/// A vector turned by the shortest way that takes direction `from` to direction `to`; as it is where one has none, or they
+/// are opposite.
+fn turned(v: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    let (Some(from), Some(to)) = (from.try_normalize(), to.try_normalize()) else { return v };
+    let cos = from.dot(to);
+    if cos < -0.999 {
+        return v;
+    }
+    let axis = from.cross(to);
+    v + axis.cross(v) + axis.cross(axis.cross(v)) / (1.0 + cos)
 }
 
 /// Where `u` is among rising `parameters`, in their indices.
@@ -180,21 +197,24 @@ fn sample_at(parameters: &[f32], u: f32) -> f32 {
 fn row_at(joints: &[u32], u: f32) -> SplineRow {
     let last = joints.len() - 1;
     if last == 0 {
-        return SplineRow { vertices: [joints[0]; 4], weights: [1.0, 0.0, 0.0, 0.0] };
+        return SplineRow { vertices: [joints[0]; 4], weights: [1.0, 0.0, 0.0, 0.0], slopes: [0.0; 4] };
     }
     let u = u.clamp(0.0, last as f32);
     let segment = (u as usize).min(last - 1);
-    let [before, mut here, mut next, after] = catmull_rom_weights(u - segment as f32);
-    let (mut w_before, mut w_after) = (before, after);
-    if segment == 0 {
-        (here, next, w_before) = (here + 2.0 * before, next - before, 0.0);
-    }
-    if segment + 2 > last {
-        (here, next, w_after) = (here - after, next + 2.0 * after, 0.0);
-    }
+    let within = |[mut before, mut here, mut next, mut after]: [f32; 4]| {
+        if segment == 0 {
+            (here, next, before) = (here + 2.0 * before, next - before, 0.0);
+        }
+        if segment + 2 > last {
+            (here, next, after) = (here - after, next + 2.0 * after, 0.0);
+        }
+        [before, here, next, after]
+    };
+    let x = u - segment as f32;
+    let (weights, slopes) = (within(catmull_rom_weights(x)), within(catmull_rom_slopes(x)));
     let vertices =
         [joints[segment.saturating_sub(1)], joints[segment], joints[segment + 1], joints[(segment + 2).min(last)]];
-    SplineRow { vertices, weights: [w_before, here, next, w_after] }
+    SplineRow { vertices, weights, slopes }
 }
 
 #[cfg(test)]
@@ -231,15 +251,49 @@ mod tests {
         for (idx, expected) in binding.guides.positions.iter().enumerate() {
             let (guide, k) = (idx / spline.n_vertices as usize, idx % spline.n_vertices as usize);
             let row = spline.rows[spline.first_rows[guide] as usize + k];
-            let curve = moved.curves.guide(guide);
-            let place: Vec3 = row.vertices.iter().zip(row.weights).map(|(&v, w)| w * curve[v as usize]).sum();
+            let curve = moved.curves.guide(spline.curve_of[guide] as usize);
+            let place = Spline::place(&row, |v| curve[v as usize], None, Quat::IDENTITY);
             assert!(place.distance(*expected) < 1e-5, "guide {guide}, vertex {k}: {place} {expected}");
             assert!((row.weights.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+            assert!(row.slopes.iter().sum::<f32>().abs() < 1e-5);
         }
         // And back: joints are vertices of their guide, others lie on the spline through it.
         let curves = moved.curves_of(&binding.guides.positions);
         let farthest = curves.iter().zip(&moved.curves.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
         assert!(farthest < 0.01 && curves.len() == moved.curves.positions.len(), "{farthest} cm");
+    }
+
+    #[test]
+    fn guides_go_with_a_rope_as_if_they_were_drawn_on_it() {
+        let layer = Layer { n_strands: 20, ..Layer::new("a", Source::HairMesh(Arc::new(bent_mesh()))) };
+        let binding = bind_layer(&layer, None);
+        let moved = MovedHair::new(Moved::Rope, &layer, &binding, None);
+        let Follow::Spline(spline) = &moved.follow else { panic!() };
+        assert_eq!((moved.curves.n_guides(), moved.ties.len()), (1, 1), "two bundles side by side are one rope");
+        assert_eq!(moved.n_shown(), binding.guides.positions.len());
+        let place_all = |curve: &[Vec3], rotation: Quat| -> Vec<Vec3> {
+            let n = spline.n_vertices as usize;
+            let place = |idx: usize| {
+                let row = &spline.rows[spline.first_rows[idx / n] as usize + idx % n];
+                let tangent: Vec3 =
+                    row.vertices.iter().zip(row.slopes).map(|(&v, w)| w * moved.curves.positions[v as usize]).sum();
+                let offset = Some((spline.offsets[idx], tangent));
+                Spline::place(row, |v| curve[v as usize], offset, rotation)
+            };
+            (0..moved.n_shown()).map(place).collect()
+        };
+        let farthest = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        let at_rest = &binding.guides.positions;
+        assert!(farthest(&place_all(&moved.curves.positions, Quat::IDENTITY), at_rest) < 1e-5);
+        // Turned as a whole, everything turns; by the head, or by the shortest way alone.
+        let turn = Quat::from_rotation_z(0.7);
+        let turned = |points: &[Vec3]| -> Vec<Vec3> { points.iter().map(|p| turn * *p).collect() };
+        assert!(farthest(&place_all(&turned(&moved.curves.positions), turn), &turned(at_rest)) < 1e-4);
+        let loose = place_all(&turned(&moved.curves.positions), Quat::IDENTITY);
+        let wide = |points: &[Vec3]| points[0].distance(points[points.len() / 2]);
+        assert!((wide(&loose) - wide(at_rest)).abs() < 0.05 && loose.iter().all(|p| p.is_finite()));
+        let curves = moved.curves_of(at_rest);
+        assert!(farthest(&curves, &moved.curves.positions) < 0.6, "{}", farthest(&curves, &moved.curves.positions));
     }
 
     #[test]
