@@ -358,6 +358,22 @@ impl GpuSolver {
         self.read_vec4s(self.positions(layer_idx), n_vertices)
     }
 
+    /// What is moved of a layer, at rest in head space: guides, chains of a hair mesh, or strands.
+    pub fn curves(&self, layer_idx: usize) -> &GuideSet {
+        self.layers[layer_idx].model.guides()
+    }
+
+    /// World positions of [`GpuSolver::curves`], as [`GpuSolver::positions`] has those of the guides that follow them.
+    pub fn curves_buffer(&self, layer_idx: usize) -> &wgpu::Buffer {
+        &self.layers[layer_idx].positions
+    }
+
+    /// [`GpuSolver::curves_buffer`] as of the commands that were submitted. Waits for the GPU.
+    pub fn read_curves(&self, layer_idx: usize) -> Result<Vec<Vec4>, GpuError> {
+        let layer = &self.layers[layer_idx];
+        self.read_vec4s(&layer.positions, layer.model.shown.len())
+    }
+
     /// A buffer without what it has room for beyond `n`.
     fn read_vec4s(&self, buffer: &wgpu::Buffer, n: usize) -> Result<Vec<Vec4>, GpuError> {
         let mut numbers: Vec<Vec4> = self.gpu.read_buffer(buffer)?;

@@ -148,6 +148,11 @@ impl SimulatedLayer {
         }
     }
 
+    /// At rest, head space.
+    pub fn guides(&self) -> &GuideSet {
+        &self.guides
+    }
+
     pub fn n_guides(&self) -> usize {
         self.rest.n_guides()
     }

@@ -5,6 +5,7 @@
 
 mod binder;
 mod display;
+pub mod hold;
 mod maker;
 pub mod pacer;
 pub mod player;
@@ -34,6 +35,7 @@ use lorelei_render::{Bound, FrameInput, RenderError, Renderer};
 use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 
 use display::Display;
+use hold::{Hand, Sight};
 use maker::{Gear, LayerHair};
 use pacer::Detail;
 use player::{Player, Score};
@@ -56,6 +58,8 @@ pub struct Playback {
     /// Times that a frame was asked for, and the last one of them.
     pub n_seeks: u64,
     pub seek: u32,
+    /// Holds hair.
+    pub hand: Option<Hand>,
 }
 
 impl Playback {
@@ -270,9 +274,11 @@ impl Stage {
         let bound = self.bound().clone();
         let layers = layers_of(&bound);
         let gear = gear(&self.gpu, &self.library, self.display.as_ref(), &layers, &bound);
-        if self.player.pass(&gear, playback, dt_secs, &mut encoder)? {
+        let sight = Sight { camera: *camera, aspect: size[0].max(1) as f32 / size[1].max(1) as f32 };
+        if self.player.pass(&gear, playback, &sight, dt_secs, &mut encoder)? {
             self.n_moves += 1;
         }
+        self.player.record_held(&self.gpu, &mut encoder);
         let moved = self.player.moved_layers();
         let world_from_head = self.player.world_from_head();
         let input = FrameInput {
@@ -388,6 +394,7 @@ impl Stage {
         report.pass_times = self.pass_times();
         report.world_from_head = self.player.world_from_head();
         report.timeline = Timeline::of(&self.player);
+        report.held = self.player.held();
         report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
 }

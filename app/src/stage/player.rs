@@ -16,6 +16,7 @@ use lorelei_sim::GpuSolver;
 use lorelei_sim::gpu::TooMuchHair;
 use lorelei_sim::wind::{AirGrid, FreeAir};
 
+use super::hold::{Held, Hold, Sight};
 use super::maker::{Gear, LayerHair, Maker, moved_on};
 use super::{Playback, StageError};
 use crate::movement::frames::Frames;
@@ -84,6 +85,9 @@ pub struct Player {
     shot: Option<ShotBuffers>,
     recorded: Vec<Recorded>,
     dragged: HeadPose,
+    hold: Hold,
+    /// Frames are made because time passes, and not to reach one that was asked for.
+    plays: bool,
     world_from_head: Affine3A,
     n_steps: i64,
     n_resets: u64,
@@ -110,6 +114,8 @@ impl Player {
             shot: None,
             recorded: Vec::new(),
             dragged: HeadPose::default(),
+            hold: Hold::default(),
+            plays: false,
             world_from_head: Affine3A::IDENTITY,
             n_steps: 0,
             n_resets: 0,
@@ -140,6 +146,9 @@ impl Player {
             return Ok(too_much);
         }
         self.forget_frames();
+        if !has_same_curves {
+            self.hold.drop_hair();
+        }
         if is_restarted {
             // Another motion, another time: begin again rather than go on in the middle of it.
             self.stop();
@@ -207,6 +216,7 @@ impl Player {
         &mut self,
         gear: &Gear<'_>,
         playback: &Playback,
+        sight: &Sight,
         dt_secs: f32,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<bool, StageError> {
@@ -217,6 +227,7 @@ impl Player {
             self.stop();
             (self.shot, self.wanted) = (None, None);
             (self.at, self.left, self.is_by_hand) = (start, 0.0, false);
+            self.hold.drop_hair();
             has_moved = true;
         }
         let n_steps = playback.n_steps - std::mem::replace(&mut self.n_steps, playback.n_steps);
@@ -233,6 +244,8 @@ impl Player {
             let to = i64::from(self.wanted.unwrap_or(self.at)) + n_steps;
             self.wanted = Some(to.clamp(i64::from(start), i64::from(end.max(self.at))) as u32);
         }
+        self.plays = playback.is_playing && self.wanted.is_none();
+        self.hold(gear, playback, sight)?;
         if let Some(wanted) = self.wanted {
             self.go_to(gear, wanted, FRAMES_AT_ONCE, encoder)?;
             return Ok(true);
@@ -260,9 +273,12 @@ impl Player {
                 };
                 self.has_ended = at_end == AtEnd::Stop && to >= end;
                 if to != self.at {
+                    let is_here = self.moving.as_ref().is_some_and(|moving| moving.front == self.at);
                     self.go_to(gear, to, n as u32, encoder)?;
-                    // Playing does not wait for frames that take too long; for the warm-up it does.
-                    self.wanted.take_if(|_| self.moving.as_ref().is_some_and(|moving| moving.warm_up_left == 0));
+                    // Playing does not wait for frames that take too long; for the warm-up, and for a solver that is to
+                    // come up to kept frames, it does.
+                    let is_warm = self.moving.as_ref().is_some_and(|moving| moving.warm_up_left == 0);
+                    self.wanted.take_if(|_| is_here && is_warm);
                 }
                 return Ok(true);
             }
@@ -291,6 +307,42 @@ impl Player {
             self.at = self.score.movement.start;
         }
         self.forget_frames();
+        Ok(())
+    }
+
+    /// A hand takes hold of hair, goes where the pointer is, or lets go. Its pull acts while it plays: what moves goes on by
+    /// hand then, and the frames that are kept stay as they were without it.
+    fn hold(&mut self, gear: &Gear<'_>, playback: &Playback, sight: &Sight) -> Result<(), StageError> {
+        let hand = playback.hand.as_ref();
+        if let Some(hand) = hand
+            && self.hold.wants_grab(Some(hand))
+        {
+            self.stand_here(gear)?;
+            let world_from_head = self.world_from_head();
+            if let Some(moving) = &self.moving {
+                self.hold.grab(hand, &moving.solver, gear.field.map(|field| &**field), &world_from_head, sight)?;
+            }
+        }
+        self.hold.follow(hand, sight);
+        if self.plays && self.hold.pull().is_some() {
+            self.stand_here(gear)?;
+            self.is_by_hand = true;
+        }
+        Ok(())
+    }
+
+    /// A solver at the frame that is shown.
+    fn stand_here(&mut self, gear: &Gear<'_>) -> Result<(), StageError> {
+        if self.moving.as_ref().is_some_and(|moving| moving.front == self.at && moving.warm_up_left == 0) {
+            return Ok(());
+        }
+        self.stand_at_shot(gear)?;
+        if self.moving.is_none() && !gear.layers.is_empty() {
+            self.moving = self.make_solver(gear, &self.pose_at(self.at))?;
+            self.shot.take_if(|_| self.moving.is_some());
+        }
+        // It has not come here from the first frame.
+        self.is_by_hand = self.moving.is_some();
         Ok(())
     }
 
@@ -323,8 +375,13 @@ impl Player {
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<(), StageError> {
         self.wanted = None;
-        if let Some(shot) = self.frames.get(to) {
+        // Hair that is moved on by hand is not where the kept frame has it.
+        let goes_on = self.plays && self.is_by_hand && self.moving.as_ref().is_some_and(|moving| moving.front <= to);
+        if let Some(shot) = self.frames.get(to).filter(|_| !goes_on) {
             let shot = Arc::clone(shot);
+            if std::mem::take(&mut self.is_by_hand) {
+                self.stop();
+            }
             self.show(gear.gpu, &shot);
             self.at = to;
             return Ok(());
@@ -401,8 +458,11 @@ impl Player {
 
     /// Record the solver's way to the next frame.
     fn simulate_frame(&mut self, gear: &Gear<'_>, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
+        let pull = self.hold.pull().filter(|_| self.plays);
+        self.is_by_hand |= pull.is_some();
         let Score { course, movement } = &self.score;
         let Some(moving) = &mut self.moving else { return Ok(()) };
+        moving.solver.set_pull(pull);
         let before = movement.secs_of(moving.front);
         let after = if moving.warm_up_left > 0 { before } else { movement.secs_of(moving.front + 1) };
         for piece in pieces(course, movement.fps, before, after, self.dragged) {
@@ -447,6 +507,18 @@ impl Player {
         self.recorded.push(Recorded { frame_idx, world_from_head: self.pose_at(frame_idx), layers });
     }
 
+    /// Let the held hair's place be brought to the CPU.
+    pub fn record_held(&mut self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+        if let Some(moving) = self.moving.as_ref().filter(|_| self.shot.is_none()) {
+            self.hold.record(gpu, &moving.solver, encoder);
+        }
+    }
+
+    /// Hair that a hand holds.
+    pub fn held(&self) -> Option<Held> {
+        self.hold.held()
+    }
+
     /// Keep the frames that were recorded; the commands were submitted, and are done.
     pub fn collect(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         for recorded in std::mem::take(&mut self.recorded) {
@@ -460,7 +532,7 @@ impl Player {
             let shot = Shot { world_from_head: recorded.world_from_head, positions };
             self.frames.keep(recorded.frame_idx, Arc::new(shot), self.budget);
         }
-        Ok(())
+        self.hold.collect(gpu)
     }
 
     fn pose_at(&self, frame_idx: u32) -> Affine3A {

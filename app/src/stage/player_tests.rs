@@ -8,6 +8,7 @@ use lorelei_core::motion::{AtEnd, Motion, Movement};
 use lorelei_core::simulation::Moved;
 use lorelei_core::strands::Strands;
 
+use super::hold::Hand;
 use super::*;
 use crate::movement::range::simulate_range;
 use crate::movement::solver::On;
@@ -221,4 +222,66 @@ fn every_strand_plays_and_comes_back_and_starts_again_in_another_style() {
     show.stage.set_groom(&groom).unwrap();
     show.play(2);
     assert_eq!(show.shot().unwrap().positions[0].len(), 12 * 10);
+}
+
+#[test]
+fn a_hand_pulls_while_it_plays_and_kept_frames_stay_as_they_were_without_it() {
+    let mut groom = groom();
+    groom.movement.motion = Motion::None;
+    groom.movement.at_end = AtEnd::GoOn;
+    let mut show = Show::new(&groom);
+    show.play(8);
+    let (_, kept) = show.seek(7);
+    assert_eq!(show.stage.player().frames().runs(), [0..=7]);
+    // The camera looks at the origin: the middle strand's root, from the front.
+    let looked_at =
+        Camera { target: Vec3::new(0.0, -12.0, 6.0), azimuth_deg: 0.0, elevation_deg: 0.0, ..Camera::default() };
+    let frame = |show: &mut Show, hand: Option<glam::Vec2>, is_playing: bool| {
+        show.playback.is_playing = is_playing;
+        show.playback.hand = hand.map(|at| Hand { n_grabs: 1, at, radius: 1.5, strength: 2000.0 });
+        let detail = Detail { lod: 0.0, ..Detail::FULL };
+        show.stage.frame(&show.playback, 1.0 / 60.0, &looked_at, [16, 16], detail).unwrap();
+        show.stage.player().held()
+    };
+    // Taken while time stands still: nothing moves until it plays.
+    show.seek(3);
+    let middle = glam::Vec2::ZERO;
+    let aside = glam::Vec2::new(0.2, 0.1);
+    let taken = frame(&mut show, Some(middle), false).expect("hair under the pointer");
+    assert!((taken.at.y + 12.0).abs() < 0.8 && taken.hand.distance(taken.at) < 1e-3, "{taken:?}");
+    let before = show.shot().unwrap();
+    let paused = frame(&mut show, Some(aside), false).unwrap();
+    assert!(paused.hand.distance(taken.hand) > 3.0 && show.shot().unwrap() == before);
+    // It plays: what is held goes to the hand, and what rests far from it stays.
+    let mut held = paused;
+    for _ in 0..40 {
+        held = frame(&mut show, Some(aside), true).unwrap();
+    }
+    assert!(held.at.distance(held.hand) < 1.0 && held.at.distance(taken.at) > 2.5, "{held:?}");
+    let pulled = show.shot().unwrap();
+    let moved = |strand: usize| pulled.positions[0][10 * strand + 8].distance(before.positions[0][10 * strand + 8]);
+    assert!(moved(0) < 0.1 && moved(11) < 0.1, "{} {}", moved(0), moved(11));
+    let lengths = pulled.positions[0].chunks(10).flat_map(|strand| strand.windows(2).map(|e| e[0].distance(e[1])));
+    assert!(lengths.into_iter().all(|length| (length - 1.5).abs() < 1e-4));
+    assert!(show.stage.player().is_by_hand());
+    assert_eq!(show.stage.player().frames().runs(), [0..=7], "none was made without the hand");
+    // Let go of, it swings back; scrubbing shows the frames as they were.
+    let mut free = None;
+    for _ in 0..20 {
+        free = frame(&mut show, None, true);
+    }
+    assert!(free.is_none() && show.stage.player().is_by_hand());
+    assert!(show.shot().unwrap().positions[0][10 * 6 + 8].distance(pulled.positions[0][10 * 6 + 8]) > 0.5);
+    assert_eq!(show.seek(7), (7, kept));
+    assert!(!show.stage.player().is_by_hand());
+    // Playing on from a kept frame catches up with it first.
+    show.play(1);
+    while show.stage.player().wanted().is_some() {
+        show.frame(0.0);
+    }
+    assert_eq!((show.at(), show.stage.player().frames().runs()), (8, vec![0..=8]));
+    // A press beside all hair holds nothing.
+    show.playback.hand = Some(Hand { n_grabs: 2, at: glam::Vec2::splat(0.9), radius: 1.5, strength: 2000.0 });
+    show.frame(1.0 / 60.0);
+    assert!(show.stage.player().held().is_none());
 }

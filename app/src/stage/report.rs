@@ -8,6 +8,7 @@ use lorelei_render::inspect::Inspection;
 use lorelei_sim::wind::AirGrid;
 
 use super::binder::State;
+use super::hold::Held;
 use super::player::Player;
 use super::shown::Shown;
 use crate::movement::Shot;
@@ -70,6 +71,8 @@ pub struct FrameReport {
     pub n_shadow_bytes: u64,
     /// Where on the timeline it is.
     pub timeline: Timeline,
+    /// Hair that a hand holds.
+    pub held: Option<Held>,
     /// The air of the last frame that was simulated, where it was asked for.
     pub air: Option<AirGrid>,
     /// Where the head was in the last picture.

@@ -505,6 +505,7 @@ impl Worker {
             report.n_shadow_bytes = news.n_shadow_bytes;
             report.pass_times = news.pass_times;
             report.timeline = timeline;
+            report.held = news.held;
             report.world_from_head = news.world_from_head;
             report.texture = news.texture;
         });

@@ -179,6 +179,7 @@ pub const COMMANDS: &[Row] = &[
     row(Command::Tool(Tool::Mesh), "Tools", "Model the hair mesh", "Its faces, edges and vertices; again: back to Select", &[key(Key::Tab)]),
     row(Command::Tool(Tool::Sculpt), "Tools", "Sculpt", "Comb, cut and shape with brushes", &[shift(Key::S)]),
     row(Command::Tool(Tool::Paint), "Tools", "Paint maps", "Density, length and more, over the scalp", &[shift(Key::P)]),
+    row(Command::Tool(Tool::Pull), "Tools", "Pull hair", "Drag hair while it plays: it is held at the pointer until the button is released", &[shift(Key::G)]),
     row(Command::DrawLevels, "View", "Draw the levels of detail", "Side by side in the panel Levels, with strands and times", &[]),
     row(Command::SolveLevel, "Edit", "Level of detail for a time", "The level whose frame takes as long as the panel Levels says", &[]),
     row(Command::Palette, "Help", "Find a command\u{2026}", "Search everything the studio can do", &[key(Key::F3), ctrl(Key::P)]),
@@ -197,6 +198,7 @@ pub const POINTER: &[(&str, &str)] = &[
     ("Zoom", "Wheel, Ctrl + middle drag, or Alt + right drag"),
     ("Aim a light", "Drag its disc"),
     ("Move the head", "Drag the handle at the neck; with Shift: turn it"),
+    ("Pull hair", "With the tool Pull: drag it, while it plays"),
     ("Reset a value", "Double-click its name"),
     ("Type a value", "Click it; drag it to change it, with Shift slowly"),
 ];

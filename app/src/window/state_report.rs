@@ -170,6 +170,8 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     state["colliders"] = groom.simulation.colliders.iter().map(place).collect::<Vec<_>>().into();
     // One more entry is more than the macro expands.
     state["room"] = super::room::report(desk);
+    let place = |p: glam::Vec3| p.to_array();
+    state["held"] = json!(report.held.map(|held| [place(held.at), place(held.hand)]));
     state["timeline"] = super::timeline::report(desk);
     state
 }

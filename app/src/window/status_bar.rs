@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 
 use super::commands::Command;
 use super::panels::widgets::{milliseconds, thousands};
-use super::{Studio, theme};
+use super::{Studio, theme, tools};
 
 pub fn ui(ui: &mut Ui, studio: &mut Studio) {
     let frame = egui::Frame::new().fill(theme::HEADER).inner_margin(egui::Margin::symmetric(10, 3));
@@ -22,7 +22,7 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
                     stage.cancel();
                 }
             } else if studio.jobs.running.is_empty() {
-                let hint = "Middle drag: orbit    Shift: pan    Wheel: zoom    F: frame    Space: play    F3: commands    F1: shortcuts";
+                let hint = tools::hint(&studio.desk);
                 ui.label(RichText::new(hint).small().color(theme::TEXT_WEAK));
             } else {
                 studio.jobs.ui(ui);

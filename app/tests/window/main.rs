@@ -9,6 +9,7 @@ mod colliders;
 mod controls;
 mod modelling;
 mod painting;
+mod pulling;
 mod room;
 mod sample;
 mod sculpting;

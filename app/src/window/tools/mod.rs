@@ -6,6 +6,7 @@
 pub mod brush_input;
 pub mod mesh;
 pub mod paint;
+pub mod pull;
 pub mod sculpt;
 pub mod surface;
 
@@ -32,10 +33,12 @@ pub enum Tool {
     Sculpt,
     /// Brushes on maps over the scalp.
     Paint,
+    /// A hand that holds hair while it moves.
+    Pull,
 }
 
 impl Tool {
-    pub const ALL: [Self; 4] = [Self::Select, Self::Mesh, Self::Sculpt, Self::Paint];
+    pub const ALL: [Self; 5] = [Self::Select, Self::Mesh, Self::Sculpt, Self::Paint, Self::Pull];
 
     pub fn label(self) -> &'static str {
         match self {
@@ -43,6 +46,7 @@ impl Tool {
             Self::Mesh => "Model",
             Self::Sculpt => "Sculpt",
             Self::Paint => "Paint",
+            Self::Pull => "Pull",
         }
     }
 }
@@ -54,6 +58,7 @@ pub struct Tools {
     pub mesh: mesh::MeshTool,
     pub sculpt: sculpt::SculptTool,
     pub paint: paint::PaintTool,
+    pub pull: pull::PullTool,
     pub surface: surface::HeadSurface,
 }
 
@@ -63,7 +68,7 @@ impl Tools {
         match self.active {
             Tool::Mesh => self.mesh.takes_keys(),
             Tool::Sculpt => self.sculpt.takes_keys(),
-            Tool::Select | Tool::Paint => false,
+            Tool::Select | Tool::Paint | Tool::Pull => false,
         }
     }
 
@@ -71,7 +76,7 @@ impl Tools {
     pub fn overlay(&self, groom: &Groom, selection: Selection) -> Option<Overlay> {
         match self.active {
             Tool::Paint => self.paint.overlay(groom, selection),
-            Tool::Select | Tool::Mesh | Tool::Sculpt => None,
+            Tool::Select | Tool::Mesh | Tool::Sculpt | Tool::Pull => None,
         }
     }
 }
@@ -133,10 +138,27 @@ pub fn viewport(
         Tool::Mesh => tools.mesh.viewport(ui, desk, &view, &mut tools.surface),
         Tool::Sculpt => tools.sculpt.viewport(ui, desk, &view, &mut tools.surface),
         Tool::Paint => tools.paint.viewport(ui, desk, &view, &mut tools.surface),
+        Tool::Pull => tools.pull.viewport(ui, desk, projection, &view),
     };
+    if tools.active != Tool::Pull {
+        desk.playback.hand = None;
+    }
     desk.tools = tools;
     buttons(ui, desk, projection.rect());
     is_busy
+}
+
+/// What the pointer does now, for the status bar.
+pub fn hint(desk: &Desk) -> &'static str {
+    match desk.tools.active {
+        Tool::Pull if desk.report.held.is_some() && !desk.playback.is_playing => {
+            "Held: Space lets time pass and the pull act; release lets go"
+        }
+        Tool::Pull => "Left drag on hair: pull it while it plays    Middle drag: orbit    Wheel: zoom    Space: play",
+        Tool::Select | Tool::Mesh | Tool::Sculpt | Tool::Paint => {
+            "Middle drag: orbit    Shift: pan    Wheel: zoom    F: frame    Space: play    F3: commands    F1: shortcuts"
+        }
+    }
 }
 
 /// The settings of the active tool.
@@ -150,6 +172,7 @@ pub fn panel(ui: &mut Ui, desk: &mut Desk) {
         Tool::Mesh => tools.mesh.panel(ui, desk),
         Tool::Sculpt => tools.sculpt.panel(ui, desk),
         Tool::Paint => tools.paint.panel(ui, desk),
+        Tool::Pull => tools.pull.panel(ui, desk),
     }
     desk.tools = tools;
 }
@@ -213,6 +236,12 @@ fn icon(ui: &Ui, tool: Tool, at: Pos2, colour: Color32) {
         Tool::Paint => {
             line(&[(8.0, -8.0), (-1.0, 1.0)]);
             line(&[(-1.0, 1.0), (-4.0, 1.5), (-6.0, 4.0), (-8.0, 8.0), (-3.5, 7.0), (-0.5, 5.0), (-1.0, 1.0)]);
+        }
+        Tool::Pull => {
+            // A strand that is drawn aside, and where it is held.
+            line(&[(-5.0, -8.0), (-4.5, -4.0), (-2.0, -1.0), (3.0, 1.0)]);
+            line(&[(3.0, 1.0), (-0.5, 3.0), (-2.5, 5.5), (-3.0, 8.0)]);
+            painter.circle_stroke(at + vec2(5.0, 1.5), 2.6, stroke);
         }
     }
 }

@@ -1,0 +1,73 @@
+//! Hair is pulled with the mouse while it plays, and while it stands still.
+
+use lorelei_core::document;
+use lorelei_core::motion::{AtEnd, Movement};
+use serde_json::Value;
+
+use crate::sample::small_groom;
+use crate::studio::{Display, Studio, begin, difference, numbers};
+
+#[test]
+fn hair_comes_along_with_the_hand_and_the_groom_stays_as_it_is() {
+    let Some((_alone, folder)) = begin("pulling") else { return };
+    let file = folder.join("small.lorelei");
+    let movement = Movement { at_end: AtEnd::GoOn, ..Movement::default() };
+    document::save(&lorelei_core::groom::Groom { movement, ..small_groom() }, &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the first picture", |state| state["still"] == true);
+    let viewport: [f64; 4] = numbers(&opened["viewport"]);
+    let [left, top, right, bottom] = viewport;
+    // The hair at the side of the ball.
+    let hair = (left + 0.36 * (right - left), top + 0.42 * (bottom - top));
+    let aside = (hair.0 - 90.0, hair.1 + 60.0);
+    let before = studio.screenshot("1_opened");
+
+    studio.key("shift+g");
+    studio.wait("the tool", |state| state["tool"]["name"] == "Pull" && state["still"] == true);
+    let held = |state: &Value| -> Option<[[f64; 3]; 2]> {
+        let places = state["held"].as_array()?;
+        Some([numbers(&places[0]), numbers(&places[1])])
+    };
+    let apart =
+        |state: &Value| held(state).map(|[a, b]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
+
+    // While it plays, hair comes to the pointer.
+    studio.key("space");
+    studio.wait("time", |state| state["playing"] == true && state["timeline"]["at"].as_u64() > Some(1));
+    studio.move_to(hair);
+    studio.xdotool(&["mousedown", "1"]);
+    studio.wait("held hair", |state| held(state).is_some());
+    studio.move_to(aside);
+    studio.wait("a hand that has gone", |state| apart(state) > Some(1.0));
+    studio.wait("hair at the hand", |state| apart(state).is_some_and(|apart| apart < 1.5));
+    let pulled = studio.screenshot("2_pulled");
+    assert!(difference(&before, &pulled, viewport) > 0.001, "the hair has moved");
+    assert_eq!(studio.state()["timeline"]["by_hand"], true);
+    studio.xdotool(&["mouseup", "1"]);
+    studio.wait("none held", |state| held(state).is_none());
+
+    // While time stands still the pull waits for it.
+    studio.key("shift+space");
+    studio.wait("rest", |state| state["playing"] == false && state["timeline"]["at"] == 0 && state["still"] == true);
+    studio.move_to(hair);
+    studio.xdotool(&["mousedown", "1"]);
+    studio.wait("held hair", |state| held(state).is_some());
+    studio.move_to(aside);
+    studio.wait("a waiting pull", |state| apart(state) > Some(2.0));
+    studio.screenshot("3_waiting");
+    studio.xdotool(&["key", "space"]);
+    studio.wait("hair at the hand", |state| apart(state).is_some_and(|apart| apart < 1.5));
+    studio.screenshot("4_pulled");
+    studio.xdotool(&["mouseup", "1"]);
+    studio.wait("none held", |state| held(state).is_none());
+
+    // Nothing of it is in the document, and another tool's press pulls nothing.
+    let state = studio.state();
+    assert_eq!((&state["n_done"], &state["unsaved"]), (&Value::from(0), &Value::from(false)));
+    studio.key("shift+g");
+    studio.wait("no tool", |state| state["tool"]["name"] == "Select");
+    studio.drag(1, hair, aside);
+    assert!(held(&studio.state()).is_none());
+    studio.quit();
+}
