@@ -16,6 +16,7 @@ pub mod set;
 mod setup;
 mod sheet;
 mod simulate;
+mod wind_source;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

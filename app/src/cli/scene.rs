@@ -14,7 +14,8 @@ use lorelei_core::panorama::read::read_panorama;
 
 use super::read_as::ReadAs;
 use super::render::{View, camera_of, parse_view};
-use super::{CliError, set, setup};
+use super::wind_source::SourceArgument;
+use super::{CliError, set, setup, wind_source};
 use crate::open;
 
 #[derive(Debug, clap::Args)]
@@ -55,6 +56,11 @@ pub struct SceneArguments {
     /// `lorelei looks` lists them.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
     assignments: Vec<(String, String)>,
+    /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
+    /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
+    /// becomes a grid, unless --set wind=NAME says otherwise. Such as fan,45,0,20,speed=800.
+    #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true)]
+    wind_sources: Vec<SourceArgument>,
 }
 
 /// A groom as it is to be drawn, from where, and what is to be said about it.
@@ -76,6 +82,7 @@ impl SceneArguments {
             let edit = groom.lit_by(panorama);
             groom.apply(edit).map_err(CliError::failed)?;
         }
+        wind_source::apply(&mut groom, &self.wind_sources);
         set::apply(&mut groom, &self.assignments)?;
         if let Some(n_strands) = self.strands {
             set_strand_count(&mut groom, n_strands);

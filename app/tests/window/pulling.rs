@@ -18,9 +18,9 @@ fn hair_comes_along_with_the_hand_and_the_groom_stays_as_it_is() {
     let opened = studio.wait("the first picture", |state| state["still"] == true);
     let viewport: [f64; 4] = numbers(&opened["viewport"]);
     let [left, top, right, bottom] = viewport;
-    // The hair at the side of the ball.
-    let hair = (left + 0.36 * (right - left), top + 0.42 * (bottom - top));
-    let aside = (hair.0 - 90.0, hair.1 + 60.0);
+    // The tips at the side of the ball.
+    let hair = (left + 0.2 * (right - left), top + 0.57 * (bottom - top));
+    let aside = (hair.0 + 10.0, hair.1 - 70.0);
     let before = studio.screenshot("1_opened");
 
     studio.key("shift+g");
@@ -29,18 +29,19 @@ fn hair_comes_along_with_the_hand_and_the_groom_stays_as_it_is() {
         let places = state["held"].as_array()?;
         Some([numbers(&places[0]), numbers(&places[1])])
     };
-    let apart =
-        |state: &Value| held(state).map(|[a, b]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt());
+    let distance = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let apart = |state: &Value| held(state).map(|[at, hand]| distance(at, hand));
 
     // While it plays, hair comes to the pointer.
     studio.key("space");
     studio.wait("time", |state| state["playing"] == true && state["timeline"]["at"].as_u64() > Some(1));
     studio.move_to(hair);
     studio.xdotool(&["mousedown", "1"]);
-    studio.wait("held hair", |state| held(state).is_some());
+    let [taken, _] = held(&studio.wait("held hair", |state| held(state).is_some())).unwrap();
     studio.move_to(aside);
-    studio.wait("a hand that has gone", |state| apart(state) > Some(1.0));
-    studio.wait("hair at the hand", |state| apart(state).is_some_and(|apart| apart < 1.5));
+    studio.wait("hair at the hand", |state| {
+        held(state).is_some_and(|[at, hand]| distance(at, taken) > 2.0 && distance(at, hand) < 2.0)
+    });
     let pulled = studio.screenshot("2_pulled");
     assert!(difference(&before, &pulled, viewport) > 0.001, "the hair has moved");
     assert_eq!(studio.state()["timeline"]["by_hand"], true);
@@ -57,7 +58,7 @@ fn hair_comes_along_with_the_hand_and_the_groom_stays_as_it_is() {
     studio.wait("a waiting pull", |state| apart(state) > Some(2.0));
     studio.screenshot("3_waiting");
     studio.xdotool(&["key", "space"]);
-    studio.wait("hair at the hand", |state| apart(state).is_some_and(|apart| apart < 1.5));
+    studio.wait("hair at the hand", |state| apart(state).is_some_and(|apart| apart < 2.0));
     studio.screenshot("4_pulled");
     studio.xdotool(&["mouseup", "1"]);
     studio.wait("none held", |state| held(state).is_none());
