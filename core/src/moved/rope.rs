@@ -22,7 +22,7 @@ const MOST: f32 = 0.6;
 
 /// The ropes of a mesh, through the middles of their chains, layer by layer; and where its guides lie beside them.
 pub(super) fn ropes_of(mesh: &HairMesh, chains: &Chains, guides: &GuideSet) -> (GuideSet, Spline) {
-    let pieces = plaited(mesh, chains, pieces_of(mesh, chains));
+    let pieces = plaited(mesh, chains, &pieces_of(mesh, chains));
     let n_pieces = pieces.iter().max().map_or(0, |&last| last as usize + 1);
     let n_guide = guides.n_vertices as usize;
     let mut curves = GuideSet { n_vertices: N_ROPE as u32, positions: Vec::with_capacity(n_pieces * N_ROPE) };
@@ -74,7 +74,7 @@ fn middles_of(mesh: &HairMesh, chains: &Chains, is_taken: impl Fn(usize) -> bool
 }
 
 /// The rope of each chain, whose piece is known.
-fn plaited(mesh: &HairMesh, chains: &Chains, pieces: Vec<u32>) -> Vec<u32> {
+fn plaited(mesh: &HairMesh, chains: &Chains, pieces: &[u32]) -> Vec<u32> {
     let n_pieces = pieces.iter().max().map_or(0, |&last| last + 1);
     let middles: Vec<Vec<(Vec3, f32)>> =
         (0..n_pieces).map(|piece| middles_of(mesh, chains, |chain_idx| pieces[chain_idx] == piece)).collect();

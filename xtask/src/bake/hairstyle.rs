@@ -26,7 +26,7 @@ use lorelei_core::grow::{Growth, grow};
 use lorelei_core::hair_mesh::HairMesh;
 use lorelei_core::maps::{MapKind, Maps, ScalpMap};
 use lorelei_core::mesh::TriMesh;
-use lorelei_core::simulation::HairKind;
+use lorelei_core::simulation::{HairKind, Moved, Pearl, SimulationSettings};
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::sdf;
@@ -70,8 +70,8 @@ pub fn all(head: &TriMesh, keys: &[String]) -> Result<Vec<(&'static str, Groom)>
     wanted.map(|(key, make)| Ok((key, moving(key, make(&studio)?)))).collect()
 }
 
-/// The style with what it is like when it moves: the kind of its hair, and how far from the root it is tied. A braid is tied
-/// nearly to its end: guides know nothing of the strands that they are plaited with.
+/// The style with what it is like when it moves: the kind of its hair, and how far from the root it is tied. A braid is a rope
+/// below the nape, as thick as it is: guides know nothing of the strands that they are plaited with.
 fn moving(key: &str, mut groom: Groom) -> Groom {
     let (kind, tied) = match key {
         "curls" => (HairKind::TightCurls, 0.0),
@@ -79,10 +79,14 @@ fn moving(key: &str, mut groom: Groom) -> Groom {
         "crop" => (HairKind::FineStraight, 0.0),
         "ponytail" => (HairKind::FineStraight, 0.45),
         "bun" | "knot" => (HairKind::Tied, 1.0),
-        "braid" => (HairKind::Tied, 0.9),
+        "braid" => (HairKind::Tied, 0.3),
         _ => (HairKind::FineStraight, 0.0),
     };
     groom.simulation.take(kind);
+    if key == "braid" {
+        let SimulationSettings { moved, pearl, pearl_radius, .. } = &mut groom.simulation;
+        (*moved, *pearl, *pearl_radius) = (Moved::Rope, Pearl::Growing, 1.6);
+    }
     for layer in &mut groom.layers {
         layer.tied = tied;
     }
