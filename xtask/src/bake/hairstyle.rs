@@ -76,7 +76,6 @@ fn moving(key: &str, mut groom: Groom) -> Groom {
     let (kind, tied) = match key {
         "curls" => (HairKind::TightCurls, 0.0),
         "bob" => (HairKind::ThickWavy, 0.0),
-        "crop" => (HairKind::FineStraight, 0.0),
         "ponytail" => (HairKind::FineStraight, 0.45),
         "bun" | "knot" => (HairKind::Tied, 1.0),
         "braid" => (HairKind::Tied, 0.3),
