@@ -3,9 +3,9 @@
 // A workgroup takes a strand, or as many as have room, and a thread a vertex, as the references do; places are shared in
 // workgroup memory, and all of a frame's steps are one dispatch.
 
-#import lorelei::sim_pose::{Pose, rotate, pose_apply, after_inverse_of, shortest_turn, normalize_or_zero}
+#import lorelei::sim_pose::{Pose, rotate, pose_apply, turned_as, inverse_length}
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
-#import lorelei::sim_contact::{contact_collide, contact_step}
+#import lorelei::sim_contact::{contact_collide, contact_step, contact_way, STEEPEST}
 #import lorelei::sim_air::air_velocity
 #import lorelei::sim_pull::pull_on
 
@@ -33,8 +33,8 @@ struct ChainVertex {
     begun: vec4<f32>,
 }
 
-// Most vertices of a strand: guides have no more.
-const MOST: u32 = 64u;
+// Threads of a workgroup, and most vertices of a strand: guides have no more than 64.
+const LANES: u32 = 64u;
 const PULL_SPEED: f32 = 60.0;
 
 @group(0) @binding(auto) var<storage, read> chain: ChainParams;
@@ -42,28 +42,27 @@ const PULL_SPEED: f32 = 60.0;
 @group(0) @binding(auto) var<storage, read_write> s: array<ChainVertex>;
 
 // Places of the vertices now, one a thread.
-var<workgroup> x_of: array<vec3<f32>, MOST>;
+var<workgroup> x_of: array<vec3<f32>, LANES>;
 // How far the local shape would move them.
-var<workgroup> turn_of: array<vec3<f32>, MOST>;
+var<workgroup> turn_of: array<vec3<f32>, LANES>;
 // Of each strand of the workgroup.
-var<workgroup> is_broken: array<atomic<u32>, MOST>;
+var<workgroup> is_broken: array<atomic<u32>, LANES>;
 
-// Verlet's rule for one vertex: where it goes from `x`.
-fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose, after: Pose) -> vec3<f32> {
+// Verlet's rule for one vertex: where it goes from `x`; with the head it would go to `carried`.
+fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec3<f32> {
     let styled = pose_apply(after, at.place.xyz);
     if k < N_PINNED {
         return styled;
     }
-    let carry = after_inverse_of(after, before);
-    let with_head = pose_apply(carry, x) - x;
+    let with_head = carried - x;
     var v = with_head + chain.keep * (x - prev - with_head);
     v += chain.take_up * (at.numbers.y * chain.step_secs * air_velocity(x) - v);
     let moved = x + clamp_length(v, MAX_SPEED * chain.step_secs) + chain.gravity_step;
     let stiffness = at.numbers.x * chain.step_secs * chain.step_secs;
     let held = moved + (styled - moved) * (stiffness / (1.0 + stiffness));
-    let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, x + with_head, after);
+    let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, carried, after);
     let pulled = pull.w * chain.step_secs * chain.step_secs;
-    let led = x + with_head + clamp_length(pull.xyz, PULL_SPEED * chain.step_secs);
+    let led = carried + clamp_length(pull.xyz, PULL_SPEED * chain.step_secs);
     return held + (led - held) * (pulled / (1.0 + pulled));
 }
 
@@ -71,9 +70,8 @@ fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, before: Pose,
 fn lengths(lane: u32, k: u32, is_here: bool, rest_length: f32, batch: u32) {
     if is_here && k >= N_PINNED + batch && (k - N_PINNED - batch) % 2u == 0u {
         let edge = x_of[lane] - x_of[lane - 1u];
-        let error = length(edge) - rest_length;
         let w_below = select(1.0, 0.0, k - 1u < N_PINNED);
-        let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
+        let correction = edge * ((1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below));
         x_of[lane - 1u] += w_below * correction;
         x_of[lane] -= correction;
     }
@@ -85,7 +83,7 @@ fn angles(lane: u32, is_free: bool, is_tip: bool, rest_below: vec3<f32>, rest_ed
     var turn = vec3<f32>(0.0);
     if is_free {
         let joint = x_of[lane - 1u];
-        let goal = joint + rotate(shortest_turn(rest_below, joint - x_of[lane - 2u]), rest_edge);
+        let goal = joint + turned_as(rest_below, joint - x_of[lane - 2u], rest_edge);
         turn = 0.5 * chain.shape * (goal - x_of[lane]);
     }
     turn_of[lane] = turn;
@@ -101,14 +99,14 @@ fn angles(lane: u32, is_free: bool, is_tip: bool, rest_below: vec3<f32>, rest_ed
 }
 
 // All of a frame's steps for as many strands as have room in a workgroup. Twin of SimulatedLayer::run in sim/src/layer.rs.
-@compute @workgroup_size(64)
+@compute @workgroup_size(LANES)
 fn advance(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(num_workgroups) n_groups: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
 ) {
     let n = asked.n_vertices;
-    let n_strands = max(MOST / n, 1u);
+    let n_strands = max(LANES / n, 1u);
     let first_guide = (group.x + group.y * n_groups.x) * n_strands;
     if first_guide >= asked.n_guides {
         return;
@@ -136,12 +134,15 @@ fn advance(
     }
     let rest_length = length(rest_edge);
     let along = f32(k) / f32(n - 1u);
+    // How far from a contact the vertex was when the step began.
+    var room = 0.0;
     for (var step = 0u; step < asked.n_steps; step++) {
         contact_step(step, asked.n_steps);
         let before = asked.poses[step];
         let after = asked.poses[step + 1u];
         begun = x;
-        let moved = integrate(k, x, prev, rest[i], before, after);
+        var carried = pose_apply(asked.carries[step], x);
+        let moved = integrate(k, x, prev, rest[i], carried, after);
         prev = x;
         if is_here {
             x_of[lane] = moved;
@@ -154,14 +155,24 @@ fn advance(
             lengths(lane, k, is_here, rest_length, 1u);
             angles(lane, is_free, k + 1u == n, turned_below, turned_edge);
             if is_free {
-                let contact = contact_collide(x_of[lane], prev, place.w, along, before, after);
-                x_of[lane] = contact.x;
-                prev = contact.prev;
+                let free = x_of[lane];
+                let way = STEEPEST * contact_way(free, prev, carried);
+                if room <= way {
+                    let contacted = contact_collide(free, prev, place.w, along, before, carried, after);
+                    x_of[lane] = contacted.x;
+                    room = max(room, contacted.room - way);
+                    if any(contacted.x != free) {
+                        prev = contacted.prev;
+                        carried = pose_apply(asked.carries[step], prev);
+                        room = 0.0;
+                    }
+                }
             }
             workgroupBarrier();
         }
         if is_here {
             x = x_of[lane];
+            room = max(room - STEEPEST * contact_way(x, prev, carried), 0.0);
         }
     }
     // A strand that is not finite starts again from rest: once a frame, after its steps.

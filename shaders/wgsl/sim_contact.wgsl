@@ -33,10 +33,11 @@ struct Capsule {
     keeps_rest: u32,
 }
 
-// A vertex after a contact, and where it was a step before.
+// A vertex after a contact, where it was a step before, and how far it is from a contact.
 struct Contacted {
     x: vec3<f32>,
     prev: vec3<f32>,
+    room: f32,
 }
 
 struct Touch {
@@ -47,13 +48,15 @@ struct Touch {
 }
 
 @group(0) @binding(auto) var<uniform> contact: ContactParams;
-@group(0) @binding(auto) var<storage, read> field_values: array<f32>;
+// Of every node its value and those of the next along x, along y, and along both.
+@group(0) @binding(auto) var<storage, read> field_faces: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read> capsules: array<Capsule>;
 
 const NOTHING_NEAR: f32 = 1e9;
 const MARCH_STEPS: u32 = 16u;
 const NEAR: f32 = 1.0;
 const ARRIVED: f32 = 0.01;
+const STEEPEST: f32 = 1.8;
 
 // The step's beginning and end as shares of its frame.
 var<private> moments: vec2<f32> = vec2<f32>(1.0, 1.0);
@@ -63,10 +66,6 @@ fn contact_step(step: u32, n_steps: u32) {
     moments = vec2<f32>(f32(step), f32(step + 1u)) / f32(max(n_steps, 1u));
 }
 
-fn field_value(node: vec3<u32>) -> f32 {
-    return field_values[node.x + contact.field_n.x * (node.y + contact.field_n.y * node.z)];
-}
-
 // Gradient (xyz) and trilinear distance (w) of the head's field.
 fn field_sample(p: vec3<f32>) -> vec4<f32> {
     let in_cells = (p - contact.field_min) / contact.field_cell;
@@ -74,46 +73,51 @@ fn field_sample(p: vec3<f32>) -> vec4<f32> {
     let corner = min(vec3<u32>(inside), contact.field_n - 2u);
     let t = inside - vec3<f32>(corner);
     let outside = length(in_cells - inside) * contact.field_cell;
-    let c0 = field_value(corner);
-    let c1 = field_value(corner + vec3<u32>(1u, 0u, 0u));
-    let c2 = field_value(corner + vec3<u32>(0u, 1u, 0u));
-    let c3 = field_value(corner + vec3<u32>(1u, 1u, 0u));
-    let c4 = field_value(corner + vec3<u32>(0u, 0u, 1u));
-    let c5 = field_value(corner + vec3<u32>(1u, 0u, 1u));
-    let c6 = field_value(corner + vec3<u32>(0u, 1u, 1u));
-    let c7 = field_value(corner + vec3<u32>(1u, 1u, 1u));
-    let y0 = mix(mix(c0, c1, t.x), mix(c2, c3, t.x), t.y);
-    let y1 = mix(mix(c4, c5, t.x), mix(c6, c7, t.x), t.y);
-    let dx = mix(mix(c1 - c0, c3 - c2, t.y), mix(c5 - c4, c7 - c6, t.y), t.z);
-    let dy = mix(mix(c2 - c0, c3 - c1, t.x), mix(c6 - c4, c7 - c5, t.x), t.z);
-    let dz = mix(mix(c4 - c0, c5 - c1, t.x), mix(c6 - c2, c7 - c3, t.x), t.y);
+    let at = corner.x + contact.field_n.x * (corner.y + contact.field_n.y * corner.z);
+    let low = field_faces[at];
+    let high = field_faces[at + contact.field_n.x * contact.field_n.y];
+    let y0 = mix(mix(low.x, low.y, t.x), mix(low.z, low.w, t.x), t.y);
+    let y1 = mix(mix(high.x, high.y, t.x), mix(high.z, high.w, t.x), t.y);
+    let dx = mix(mix(low.y - low.x, low.w - low.z, t.y), mix(high.y - high.x, high.w - high.z, t.y), t.z);
+    let dy = mix(mix(low.z - low.x, low.w - low.y, t.x), mix(high.z - high.x, high.w - high.y, t.x), t.z);
+    let dz = mix(mix(high.x - low.x, high.y - low.y, t.x), mix(high.z - low.z, high.w - low.w, t.x), t.y);
     return vec4<f32>(vec3<f32>(dx, dy, dz) / contact.field_cell, mix(y0, y1, t.z) + outside);
 }
 
-// Keep a vertex out, `along` its strand.
+// Keep a vertex out, `along` its strand; with the head it would have gone to `carried_prev`.
 fn contact_collide(
     moved: vec3<f32>,
     prev: vec3<f32>,
     rest_distance: f32,
     along: f32,
     before: Pose,
+    carried_prev: vec3<f32>,
     after: Pose,
 ) -> Contacted {
     if contact.field_n.x == 0u && contact.n_capsules == 0u {
-        return Contacted(moved, prev);
+        return Contacted(moved, prev, NOTHING_NEAR);
     }
-    let x = march(moved, prev, rest_distance, along, before, after);
+    var x = moved;
+    if contact_way(moved, prev, carried_prev) > contact.march_from {
+        x = march(moved, prev, rest_distance, along, before, after);
+    }
     let in_head = pose_apply_inverse(after, x);
-    let touched = touch(x, in_head, after.rotation, moments.y, rest_distance, along);
+    let touched = touch(x, in_head, after.rotation, moments.y, rest_distance, along, 0.0);
     if touched.push <= 0.0 {
-        return Contacted(x, prev);
+        return Contacted(x, prev, -touched.push);
     }
     let origin = carried(touched, prev, before, after);
     let pushed = x + touched.push * touched.normal;
     let slid = pushed - origin;
     let along_surface = slid - dot(slid, touched.normal) * touched.normal;
     let hold_back = min(contact.friction * touched.push / max(length(along_surface), 1e-9), 1.0);
-    return Contacted(pushed - hold_back * along_surface, prev + dot(slid, touched.normal) * touched.normal);
+    return Contacted(pushed - hold_back * along_surface, prev + dot(slid, touched.normal) * touched.normal, 0.0);
+}
+
+// How far a vertex goes in a step as any obstacle sees it; with the head it would have gone to `carried`.
+fn contact_way(x: vec3<f32>, prev: vec3<f32>, carried: vec3<f32>) -> f32 {
+    let by_itself = contact.capsule_way * (moments.y - moments.x);
+    return max(distance(x, carried), select(0.0, distance(x, prev), contact.n_capsules > 0u)) + by_itself;
 }
 
 // Keep out a vertex that a correction takes from `start` to `x` at the end of a step.
@@ -125,7 +129,7 @@ fn contact_keep_out(start: vec3<f32>, moved: vec3<f32>, rest_distance: f32, alon
     moments = vec2<f32>(of_step.y);
     let x = march(moved, start, rest_distance, along, after, after);
     moments = of_step;
-    let touched = touch(x, pose_apply_inverse(after, x), after.rotation, moments.y, rest_distance, along);
+    let touched = touch(x, pose_apply_inverse(after, x), after.rotation, moments.y, rest_distance, along, 0.0);
     if touched.push <= 0.0 {
         return x;
     }
@@ -146,7 +150,7 @@ fn march(x: vec3<f32>, prev: vec3<f32>, rest_distance: f32, along: f32, before: 
         let moment = moments.x + t * (moments.y - moments.x);
         let at = prev + t * (x - prev);
         let in_head = from_head + t * (to_head - from_head);
-        let touched = touch(at, in_head, after.rotation, moment, rest_distance, along);
+        let touched = touch(at, in_head, after.rotation, moment, rest_distance, along, NEAR);
         if touched.push > -ARRIVED || i + 1u == MARCH_STEPS {
             // Seen from the obstacle: where it would be had it not moved, and what is left of the way.
             let origin = carried(touched, prev, before, after);
@@ -171,7 +175,8 @@ fn carried(touched: Touch, place: vec3<f32>, before: Pose, after: Pose) -> vec3<
     return there + (moments.y - moments.x) * touched.shift;
 }
 
-// The obstacle that a vertex at `x` in the world, `in_head` in the head's space, is deepest in.
+// The obstacle that a vertex at `x` in the world, `in_head` in the head's space, is deepest in; the direction away from the
+// head where it is nearer to a contact than `near`.
 fn touch(
     x: vec3<f32>,
     in_head: vec3<f32>,
@@ -179,13 +184,14 @@ fn touch(
     moment: f32,
     rest_distance: f32,
     along: f32,
+    near: f32,
 ) -> Touch {
     let wanted = contact.margin + contact.pearl * along;
     var deepest = Touch(-NOTHING_NEAR, vec3<f32>(0.0, 1.0, 0.0), true, vec3<f32>(0.0));
     if contact.field_n.x > 0u {
         let sampled = field_sample(in_head);
         deepest.push = min(wanted, rest_distance) - min(sampled.w, NOTHING_NEAR);
-        if deepest.push > -NEAR {
+        if deepest.push > -near {
             deepest.normal = rotate(rotation, normalize_or_zero(sampled.xyz));
         }
     }

@@ -18,6 +18,8 @@ struct FrameParams {
     pull: Pull,
     // The head before the first step, then after each.
     poses: array<Pose, 65>,
+    // What takes each to the next.
+    carries: array<Pose, 64>,
 }
 
 @group(0) @binding(auto) var<uniform> asked: FrameParams;

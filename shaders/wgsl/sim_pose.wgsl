@@ -61,3 +61,24 @@ fn shortest_turn(a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
     let axis = cross(a, b);
     return vec4<f32>(axis, w) / sqrt(dot(axis, axis) + w * w);
 }
+
+// One over the length of `v`; zero where it has none.
+fn inverse_length(v: vec3<f32>) -> f32 {
+    let squared = dot(v, v);
+    return select(0.0, inverseSqrt(squared), squared > 1e-18);
+}
+
+// What the smallest rotation that takes the direction of `a` to that of `b` makes of `v`.
+fn turned_as(a: vec3<f32>, b: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
+    let by_a = inverse_length(a);
+    let by_b = inverse_length(b);
+    let a_unit = a * by_a;
+    let b_unit = b * by_b;
+    let w = 1.0 + dot(a_unit, b_unit);
+    if w < 1e-5 || by_a * by_b == 0.0 {
+        return rotate(shortest_turn(a, b), v);
+    }
+    let along_a = dot(a_unit, v);
+    let share = (along_a + dot(b_unit, v)) / w;
+    return v - share * a_unit + (2.0 * along_a - share) * b_unit;
+}

@@ -18,6 +18,8 @@ struct VolumeParams {
     tolerance: f32,
     push: f32,
     blend: f32,
+    // Guides whose vertices lie side by side.
+    lanes: u32,
 }
 
 struct Crowd {
@@ -29,7 +31,7 @@ struct Crowd {
 
 @group(0) @binding(auto) var<uniform> volume: VolumeParams;
 @group(0) @binding(auto) var<storage, read> crowds: array<Crowd>;
-// Of every vertex its place, where it was a step ago, and what else its law keeps.
+// Of every vertex its place, where it was a step ago, and what else its law keeps; in the order of sim/src/lanes.rs.
 @group(0) @binding(auto) var<storage, read_write> s: array<vec4<f32>>;
 // Hair and its way in a step: four for every cell, x fastest.
 @group(0) @binding(auto) var<storage, read_write> counts: array<atomic<i32>>;
@@ -48,6 +50,14 @@ struct Sampled {
 
 fn pose_of() -> Pose {
     return Pose(volume.rotation, volume.translation);
+}
+
+// Where the first of what is kept of a vertex is; the next is as many places on as there are lanes.
+fn state_at(idx: u32) -> u32 {
+    let guide_idx = idx / volume.per_guide;
+    let k = idx % volume.per_guide;
+    let group = guide_idx / volume.lanes;
+    return (group * volume.per_guide + k) * volume.stride * volume.lanes + guide_idx % volume.lanes;
 }
 
 fn index(cell: vec3<i32>) -> u32 {
@@ -75,14 +85,15 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
     if idx >= volume.n_vertices {
         return;
     }
-    let x = s[idx * volume.stride].xyz;
+    let first = state_at(idx);
+    let x = s[first].xyz;
     let at = (pose_apply_inverse(pose_of(), x) - volume.low) / volume.cell;
     if !is_inside(at) {
         return;
     }
     let corner = floor(at);
     let t = at - corner;
-    let way = x - s[idx * volume.stride + 1u].xyz;
+    let way = x - s[first + volume.lanes].xyz;
     for (var i = 0; i < 8; i++) {
         let offset = offset_of(i);
         let share = share_of(vec3<f32>(offset), t);
@@ -151,8 +162,9 @@ fn push(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n
     if idx >= volume.n_vertices || idx % volume.per_guide < N_PINNED {
         return;
     }
-    let x = s[idx * volume.stride].xyz;
-    let prev = s[idx * volume.stride + 1u].xyz;
+    let first = state_at(idx);
+    let x = s[first].xyz;
+    let prev = s[first + volume.lanes].xyz;
     let sampled = sample(pose_apply_inverse(pose_of(), x));
     let here = sampled.here;
     var added = vec3<f32>(0.0);
@@ -165,5 +177,5 @@ fn push(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n
     if volume.blend > 0.0 && here.x > SPARSE {
         added += volume.blend * (here.yzw / here.x - (x - prev));
     }
-    s[idx * volume.stride + 1u] = vec4<f32>(prev - added, s[idx * volume.stride + 1u].w);
+    s[first + volume.lanes] = vec4<f32>(prev - added, s[first + volume.lanes].w);
 }

@@ -22,7 +22,24 @@ const FRAME_SECS: f32 = STEPS as f32 / STEPS_PER_SECOND;
 pub struct Workload {
     pub n_strands: u32,
     pub n_vertices: u32,
+    /// They keep out of the ball.
+    pub has_field: bool,
 }
+
+impl Workload {
+    pub const fn new(n_strands: u32, n_vertices: u32) -> Self {
+        Self { n_strands, n_vertices, has_field: true }
+    }
+
+    /// Whether a device can bind what a law keeps of every vertex.
+    pub fn fits(&self, gpu: &Gpu) -> bool {
+        let bytes = u64::from(self.n_strands) * u64::from(self.n_vertices) * MOST_BYTES_A_VERTEX;
+        bytes <= gpu.max_storage_binding()
+    }
+}
+
+/// Of the largest buffer, in either law.
+const MOST_BYTES_A_VERTEX: u64 = 64;
 
 /// Why nothing was measured.
 #[derive(Debug, thiserror::Error)]
@@ -33,8 +50,8 @@ pub enum BenchError {
     Gpu(#[from] GpuError),
 }
 
-/// Milliseconds that the GPU takes for a frame of [`STEPS`] steps: the median of rounds of several frames each, from
-/// submission until they are done, after warming up for as long.
+/// Milliseconds that the GPU takes for a frame of [`STEPS`] steps: the median of rounds of several frames each, after warming
+/// up for as long. Between two timestamps of the GPU; where it has none, from submission until the work is done.
 pub fn gpu_frame_ms(
     gpu: &Gpu,
     library: &ShaderLibrary,
@@ -44,21 +61,26 @@ pub fn gpu_frame_ms(
 ) -> Result<f64, BenchError> {
     let (guides, field) = (wavy(work), ball());
     let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
-    let mut solver = GpuSolver::new(gpu, library, &[&guides], Some(&field), &settings)?;
+    let field = work.has_field.then_some(&field);
+    let mut solver = GpuSolver::new(gpu, library, &[&guides], field, &settings)?;
+    let stopwatch = Stopwatch::new(gpu);
     let mut n_frames = 0;
     let mut round = |frames: u32| -> Result<f64, BenchError> {
-        let start = Instant::now();
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        stopwatch.mark(&mut encoder, 0);
         for _ in 0..frames {
             n_frames += 1;
             solver.set_head_pose(&Motion::Shake.pose(n_frames as f32 * FRAME_SECS, Vec3::NEG_Y * 8.0));
             solver.advance(&mut encoder, FRAME_SECS)?;
         }
+        stopwatch.mark(&mut encoder, 1);
+        let start = Instant::now();
         gpu.queue.submit([encoder.finish()]);
         gpu.wait()?;
-        Ok(start.elapsed().as_secs_f64() * 1e3 / f64::from(frames))
+        let waited_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(stopwatch.read_ms(gpu)?.unwrap_or(waited_ms) / f64::from(frames))
     };
-    // As many frames as make submitting them small beside them.
+    // As many frames as make the gap between two submissions small beside them.
     let frames = ((40.0 / round(1)?.max(1e-3)) as u32).clamp(1, 32);
     let warm_up = Instant::now();
     while warm_up.elapsed() < budget {
@@ -72,12 +94,46 @@ pub fn gpu_frame_ms(
     Ok(median(&mut times))
 }
 
+/// Two timestamps, where the device has them.
+struct Stopwatch(Option<(wgpu::QuerySet, wgpu::Buffer)>);
+
+impl Stopwatch {
+    fn new(gpu: &Gpu) -> Self {
+        Self(gpu.has(wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS).then(|| {
+            let marks = gpu.device.create_query_set(&wgpu::QuerySetDescriptor {
+                label: Some("bench.marks"),
+                ty: wgpu::QueryType::Timestamp,
+                count: 2,
+            });
+            (marks, gpu.buffer("bench.ticks", 16, wgpu::BufferUsages::QUERY_RESOLVE))
+        }))
+    }
+
+    /// Record mark 0 or, at the end, 1.
+    fn mark(&self, encoder: &mut wgpu::CommandEncoder, idx: u32) {
+        if let Some((marks, ticks)) = &self.0 {
+            encoder.write_timestamp(marks, idx);
+            if idx == 1 {
+                encoder.resolve_query_set(marks, 0..2, ticks, 0);
+            }
+        }
+    }
+
+    /// Between the two, once they were submitted. Waits for the GPU.
+    fn read_ms(&self, gpu: &Gpu) -> Result<Option<f64>, GpuError> {
+        let Some((_, ticks)) = &self.0 else { return Ok(None) };
+        let ticks: Vec<u64> = gpu.read_buffer(ticks)?;
+        let period_ns = f64::from(gpu.queue.get_timestamp_period());
+        Ok(Some(ticks[1].saturating_sub(ticks[0]) as f64 * period_ns * 1e-6))
+    }
+}
+
 /// Milliseconds that the CPU takes for a frame of [`STEPS`] steps, with as many threads: the median over a time.
 pub fn cpu_frame_ms(work: Workload, settings: &SimulationSettings, n_threads: usize, budget: Duration) -> f64 {
     let (guides, field) = (wavy(work), ball());
     let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
     let measured = || {
-        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
+        let mut solver = CpuSolver::new(&[&guides], work.has_field.then_some(&field), &settings);
         let mut times = Vec::new();
         let start = Instant::now();
         while times.len() < 4 || start.elapsed() < budget {
@@ -131,7 +187,7 @@ mod tests {
     #[test]
     fn both_solvers_are_timed() {
         let gpu = Gpu::headless().unwrap();
-        let (work, settings) = (Workload { n_strands: 20, n_vertices: 16 }, SimulationSettings::default());
+        let (work, settings) = (Workload::new(20, 16), SimulationSettings::default());
         let on_gpu = gpu_frame_ms(&gpu, &ShaderLibrary::embedded(), work, &settings, Duration::ZERO).unwrap();
         let on_cpu = cpu_frame_ms(work, &settings, 1, Duration::ZERO);
         assert!(on_gpu > 0.0 && on_cpu > 0.0, "{on_gpu} {on_cpu}");

@@ -13,8 +13,8 @@ use lorelei_core::simulation::SimulationSettings;
 
 use crate::air::Air;
 use crate::bounded;
-use crate::contact::Obstacles;
-use crate::pose::{Pose, clamp_length, normalize_or_zero, rotate, shortest_turn};
+use crate::contact::{Obstacles, STEEPEST};
+use crate::pose::{Pose, clamp_length, inverse_length, rotate, turned_as};
 use crate::pull::PullParams;
 use crate::rod::{MAX_SPEED, N_PINNED};
 
@@ -92,7 +92,8 @@ pub fn carry(s: &mut [ChainVertex], carry: Pose) {
     }
 }
 
-/// One step: the head goes from `before` to `after`.
+/// One step: the head goes from `before` to `after`. `rooms`: how far from a contact each vertex is at the beginning and at the
+/// end of it; 0 where that is not known.
 pub fn step_chain(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
@@ -102,18 +103,32 @@ pub fn step_chain(
     pull: &PullParams,
     before: Pose,
     after: Pose,
+    rooms: &mut [f32],
 ) {
-    integrate(s, rest, p, air, pull, before, after);
+    let carry = after.after_inverse_of(&before);
+    integrate(s, rest, p, air, pull, carry, after);
     for _ in 0..p.n_iterations {
         lengths(s, rest, 0);
         lengths(s, rest, 1);
         angles(s, rest, p, after);
         for k in N_PINNED..s.len() {
             let along = k as f32 / (s.len() - 1) as f32;
-            let (x, prev) = obstacles.collide(s[k].x.xyz(), s[k].prev.xyz(), rest[k].place.w, along, before, after);
-            s[k].x = x.extend(0.0);
-            s[k].prev = prev.extend(0.0);
+            let (free, prev) = (s[k].x.xyz(), s[k].prev.xyz());
+            let way = STEEPEST * obstacles.way(free, prev, carry.apply(prev));
+            if rooms[k] <= way {
+                let contacted = obstacles.collide(free, prev, rest[k].place.w, along, before, after);
+                s[k].x = contacted.x.extend(0.0);
+                rooms[k] = rooms[k].max(contacted.room - way);
+                if contacted.x != free {
+                    s[k].prev = contacted.prev.extend(0.0);
+                    rooms[k] = 0.0;
+                }
+            }
         }
+    }
+    for (vertex, room) in s.iter().zip(rooms) {
+        let (x, prev) = (vertex.x.xyz(), vertex.prev.xyz());
+        *room = (*room - STEEPEST * obstacles.way(x, prev, carry.apply(prev))).max(0.0);
     }
 }
 
@@ -124,11 +139,10 @@ fn integrate(
     p: &ChainParams,
     air: &Air,
     pull: &PullParams,
-    before: Pose,
+    carry: Pose,
     after: Pose,
 ) {
     let n = s.len();
-    let carry = after.after_inverse_of(&before);
     for k in 0..n {
         let x = s[k].x.xyz();
         let styled = after.apply(rest[k].place.xyz());
@@ -155,9 +169,9 @@ fn integrate(
 fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], batch: usize) {
     for k in (N_PINNED + batch..s.len()).step_by(2) {
         let edge = s[k].x.xyz() - s[k - 1].x.xyz();
-        let error = edge.length() - rest[k].place.xyz().distance(rest[k - 1].place.xyz());
+        let rest_length = rest[k].place.xyz().distance(rest[k - 1].place.xyz());
         let w_below = if k - 1 < N_PINNED { 0.0 } else { 1.0 };
-        let correction = normalize_or_zero(edge) * (error / (1.0 + w_below));
+        let correction = edge * ((1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below));
         s[k - 1].x += (w_below * correction).extend(0.0);
         s[k].x -= correction.extend(0.0);
     }
@@ -175,7 +189,7 @@ fn angles(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, after: Pos
             let rest_below = rotate(after.rotation, rest[k - 1].place.xyz() - rest[k - 2].place.xyz());
             let rest_edge = rotate(after.rotation, rest[k].place.xyz() - rest[k - 1].place.xyz());
             let (below, joint) = (s[k - 2].x.xyz(), s[k - 1].x.xyz());
-            let goal = joint + rotate(shortest_turn(rest_below, joint - below), rest_edge);
+            let goal = joint + turned_as(rest_below, joint - below, rest_edge);
             0.5 * p.shape * (goal - s[k].x.xyz())
         })
         .collect();

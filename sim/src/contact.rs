@@ -100,6 +100,17 @@ pub fn arrive(capsules: &mut [Capsule]) {
     }
 }
 
+/// A field as `field_sample` in WGSL reads it: of every node its value and those of the next along x, along y, and along both, so
+/// that two reads give a cell. Beyond the last node that node's.
+pub(crate) fn faces_of(field: &DistanceField) -> Vec<[f32; 4]> {
+    let [nx, ny, nz] = field.n.map(|n| n as usize);
+    let faces = |(y, z): (usize, usize)| {
+        let value = move |x: usize, y: usize| field.values[x.min(nx - 1) + nx * (y.min(ny - 1) + ny * z)];
+        (0..nx).map(move |x| [value(x, y), value(x + 1, y), value(x, y + 1), value(x + 1, y + 1)])
+    };
+    (0..nz).flat_map(|z| (0..ny).map(move |y| (y, z))).flat_map(faces).collect()
+}
+
 /// Rest distance where there is nothing to collide with.
 pub(crate) const NOTHING_NEAR: f32 = 1e9;
 /// Places that a march looks at.
@@ -108,6 +119,22 @@ const MARCH_STEPS: u32 = 16;
 const NEAR: f32 = 1.0;
 /// A march has arrived this near, centimetres.
 const ARRIVED: f32 = 0.01;
+
+/// Most that the distance to an obstacle changes with the place: between nodes whose values change by no more than their
+/// distance, the trilinear one by the square root of three. What is farther from a contact than this times its way meets none,
+/// and need not ask.
+pub(crate) const STEEPEST: f32 = 1.8;
+
+/// A vertex after a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contacted {
+    /// World.
+    pub x: Vec3,
+    /// Where it was a step before, so that what is between is its velocity.
+    pub prev: Vec3,
+    /// How far it is from a contact, cm.
+    pub room: f32,
+}
 
 /// The head and the colliders that hair keeps out of.
 #[derive(Debug, Clone, Copy)]
@@ -169,33 +196,31 @@ impl<'a> Obstacles<'a> {
         Self { moments: [share(step), share(step + 1)], ..self }
     }
 
-    /// Keep a vertex at `x` (world) out; returns it and where it was a step before, so that what is between is its
-    /// velocity. A contact takes the velocity along its normal and, by Coulomb's law, some of that along the surface;
+    /// Keep a vertex at `x` (world) out. A contact takes the velocity along its normal and, by Coulomb's law, some of that along the surface;
     /// it never adds any. `along`: where on the strand, 0 root to 1 tip.
-    pub fn collide(
-        &self,
-        x: Vec3,
-        prev: Vec3,
-        rest_distance: f32,
-        along: f32,
-        before: Pose,
-        after: Pose,
-    ) -> (Vec3, Vec3) {
+    pub fn collide(&self, x: Vec3, prev: Vec3, rest_distance: f32, along: f32, before: Pose, after: Pose) -> Contacted {
         if self.field.is_none() && self.capsules.is_empty() {
-            return (x, prev);
+            return Contacted { x, prev, room: NOTHING_NEAR };
         }
         let x = self.march(x, prev, rest_distance, along, before, after);
         let in_head = after.apply_inverse(x);
-        let touch = self.touch(x, in_head, after.rotation, self.moments[1], rest_distance, along);
+        let touch = self.touch(x, in_head, after.rotation, self.moments[1], rest_distance, along, 0.0);
         if touch.push <= 0.0 {
-            return (x, prev);
+            return Contacted { x, prev, room: -touch.push };
         }
         let carried = self.carried(touch, prev, before, after);
         let pushed = x + touch.push * touch.normal;
         let slid = pushed - carried;
         let along_surface = slid - slid.dot(touch.normal) * touch.normal;
         let hold_back = (self.params.friction * touch.push / along_surface.length().max(1e-9)).min(1.0);
-        (pushed - hold_back * along_surface, prev + slid.dot(touch.normal) * touch.normal)
+        let x = pushed - hold_back * along_surface;
+        Contacted { x, prev: prev + slid.dot(touch.normal) * touch.normal, room: 0.0 }
+    }
+
+    /// How far a vertex goes in a step as any obstacle sees it; with the head it would have gone to `carried`.
+    pub fn way(&self, x: Vec3, prev: Vec3, carried: Vec3) -> f32 {
+        let by_itself = self.params.capsule_way * (self.moments[1] - self.moments[0]);
+        x.distance(carried).max(if self.capsules.is_empty() { 0.0 } else { x.distance(prev) }) + by_itself
     }
 
     /// Keep out a vertex that a correction takes from `start` to `x` at the end of a step; what it has to do with
@@ -206,7 +231,7 @@ impl<'a> Obstacles<'a> {
         }
         let at_end = Self { moments: [self.moments[1]; 2], ..*self };
         let x = at_end.march(x, start, rest_distance, along, after, after);
-        let touch = self.touch(x, after.apply_inverse(x), after.rotation, self.moments[1], rest_distance, along);
+        let touch = self.touch(x, after.apply_inverse(x), after.rotation, self.moments[1], rest_distance, along, 0.0);
         if touch.push <= 0.0 { x } else { x + touch.push * touch.normal }
     }
 
@@ -223,7 +248,7 @@ impl<'a> Obstacles<'a> {
         for step in 0..MARCH_STEPS {
             let moment = self.moments[0] + t * (self.moments[1] - self.moments[0]);
             let (at, in_head) = (prev + t * (x - prev), from_head + t * (to_head - from_head));
-            let touch = self.touch(at, in_head, after.rotation, moment, rest_distance, along);
+            let touch = self.touch(at, in_head, after.rotation, moment, rest_distance, along, NEAR);
             // A march past something close that takes too long goes on along it.
             if touch.push > -ARRIVED || step + 1 == MARCH_STEPS {
                 // Seen from the obstacle: where it would be had it not moved, and what is left of the way.
@@ -246,14 +271,25 @@ impl<'a> Obstacles<'a> {
         carried + (self.moments[1] - self.moments[0]) * touch.shift
     }
 
-    /// The obstacle that a vertex at `x` in the world, `in_head` in the head's space, is deepest in.
-    pub fn touch(&self, x: Vec3, in_head: Vec3, rotation: Quat, moment: f32, rest_distance: f32, along: f32) -> Touch {
+    /// The obstacle that a vertex at `x` in the world, `in_head` in the head's space, is deepest in; the direction away from
+    /// the head where it is nearer to a contact than `near`.
+    #[expect(clippy::too_many_arguments, reason = "a vertex, a moment of its step, and what is asked")]
+    pub fn touch(
+        &self,
+        x: Vec3,
+        in_head: Vec3,
+        rotation: Quat,
+        moment: f32,
+        rest_distance: f32,
+        along: f32,
+        near: f32,
+    ) -> Touch {
         let wanted = self.params.margin + self.params.pearl * along;
         let mut deepest = Touch { push: -NOTHING_NEAR, normal: Vec3::Y, on_head: true, shift: Vec3::ZERO };
         if let Some(field) = self.field {
             deepest.push = wanted.min(rest_distance) - field.sample(in_head).min(NOTHING_NEAR);
             // Its gradient is asked for where it is needed.
-            if deepest.push > -NEAR {
+            if deepest.push > -near {
                 deepest.normal = rotate(rotation, field.gradient(in_head).normalize_or_zero());
             }
         }

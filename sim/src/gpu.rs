@@ -1,8 +1,8 @@
 //! The solver on the GPU: one dispatch a layer takes every strand through all of a frame's steps. Positions never
 //! leave the GPU.
 //!
-//! A rod is one thread's: each of its sweeps goes from one end to the other. A chain is a workgroup's, one thread a vertex,
-//! as the references have it.
+//! A rod is one thread's: each of its sweeps goes from one end to the other. A chain's vertices are a thread's each, as the
+//! references have it.
 
 use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
@@ -13,15 +13,16 @@ use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, Shader
 
 use crate::air::{AirFrame, GpuAir, HairAmount, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
-use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
+use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from, faces_of};
 use crate::follow::{Followed, Following};
 use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::pull::{Pull, PullParams};
 use crate::rest::Rest;
+use crate::rod::{LANES, RodVertex};
 use crate::state::SolverState;
-use crate::volume::{GpuVolume, VolumeGrid, VolumeLayer};
+use crate::volume::{GpuVolume, VolumeGrid, VolumeLayer, VolumeParams};
 use crate::wind::GpuWind;
 use crate::wind::gpu::GpuHairLayer;
 
@@ -53,6 +54,7 @@ struct FrameParams {
     shown: GpuPose,
     pull: PullParams,
     poses: [GpuPose; MAX_STEPS_PER_FRAME + 1],
+    carries: [GpuPose; MAX_STEPS_PER_FRAME],
 }
 
 /// A layer on the GPU.
@@ -61,7 +63,7 @@ struct Layer {
     model: SimulatedLayer,
     rest: wgpu::Buffer,
     state: wgpu::Buffer,
-    /// What the sweeps of a rod hand on to each other.
+    /// What the sweeps of a rod hand on to each other, of the strands that are worked on at a time.
     eliminated: wgpu::Buffer,
     positions: wgpu::Buffer,
     /// The guides, where what moves are others.
@@ -73,18 +75,33 @@ impl Layer {
         let storage = wgpu::BufferUsages::STORAGE;
         let read_back = storage | wgpu::BufferUsages::COPY_SRC;
         Self {
-            rest: gpu.buffer_of("sim.rest", model.rest_vec4s(), storage),
-            state: gpu.buffer_of("sim.state", model.state_vec4s(), read_back),
-            eliminated: gpu.buffer("sim.eliminated", ELIMINATED_BYTES * model.rest.vertices.len() as u64, storage),
+            rest: gpu.buffer_of("sim.rest", &model.lanes()[0].lay(model.rest_vec4s()), storage),
+            state: gpu.buffer_of("sim.state", &model.lanes()[1].lay(model.state_vec4s()), read_back),
+            eliminated: gpu.buffer("sim.eliminated", rod_groups(gpu, &model) * eliminated_bytes(&model), storage),
             positions: gpu.buffer_of("sim.positions", &model.shown, read_back),
             followed: None,
             model,
         }
     }
 
+    /// Send what is fixed, from before what is submitted later.
+    fn send_rest(&self, gpu: &Gpu) {
+        gpu.queue.write_buffer(
+            &self.rest,
+            0,
+            bytemuck::cast_slice(&self.model.lanes()[0].lay(self.model.rest_vec4s())),
+        );
+    }
+
+    /// The state in the CPU's order, after what was submitted. Waits for the GPU.
+    fn read_state(&self, gpu: &Gpu) -> Result<Vec<Vec4>, GpuError> {
+        Ok(self.model.lanes()[1].take_up(gpu.read_buffer(&self.state)?, self.model.state_vec4s().len()))
+    }
+
     /// Send the model's state, of a head at `pose`, from before what is submitted later.
     fn send_state(&self, gpu: &Gpu, pose: Pose) {
-        for (buffer, contents) in [(&self.state, self.model.state_vec4s()), (&self.positions, &self.model.shown)] {
+        let state = self.model.lanes()[1].lay(self.model.state_vec4s());
+        for (buffer, contents) in [(&self.state, &state[..]), (&self.positions, &self.model.shown)] {
             if !contents.is_empty() {
                 gpu.queue.write_buffer(buffer, 0, bytemuck::cast_slice(contents));
             }
@@ -95,11 +112,26 @@ impl Layer {
     }
 }
 
-/// Bytes of `Eliminated` in WGSL.
+/// Bytes of a vertex in `eliminated`.
 const ELIMINATED_BYTES: u64 = 5 * 16;
 
-/// Threads of a workgroup of `sim_chain.wgsl`.
-const CHAIN_LANES: u32 = 64;
+/// Most workgroups of rods: each takes groups of strands one after the other, so that what it keeps of a vertex for a step is
+/// kept of few strands. More than a large GPU works on at a time gain nothing (an H200 with 1,056: 3.5 ms; with 1,563: 2.83; with
+/// 2,640: 2.90).
+const MOST_ROD_GROUPS: u64 = 1584;
+
+/// Workgroups for rods: as many as there are groups of strands, or as what they keep has room for.
+fn rod_groups(gpu: &Gpu, model: &SimulatedLayer) -> u64 {
+    let n_groups = model.n_guides().div_ceil(LANES) as u64;
+    let have_room = gpu.max_storage_binding() / eliminated_bytes(model).max(1);
+    n_groups.min(MOST_ROD_GROUPS).min(have_room).max(1)
+}
+
+/// Bytes of `eliminated` for a workgroup of rods; chains have none.
+fn eliminated_bytes(model: &SimulatedLayer) -> u64 {
+    let strands = if model.is_of_rods() { LANES as u64 } else { 0 };
+    ELIMINATED_BYTES * strands * u64::from(model.rest.n_vertices)
+}
 
 /// There is more hair in a layer than this device moves at once.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -123,7 +155,7 @@ pub fn check_room(gpu: &Gpu, layer: &str, n_vertices: usize) -> Result<(), TooMu
 }
 
 /// Bytes that the largest buffer of a layer has for a vertex.
-const BYTES_A_VERTEX: u64 = ELIMINATED_BYTES;
+const BYTES_A_VERTEX: u64 = size_of::<RodVertex>() as u64;
 
 /// The twin of [`crate::CpuSolver`].
 pub struct GpuSolver {
@@ -136,7 +168,7 @@ pub struct GpuSolver {
     /// Of every layer.
     hair: Vec<HairAmount>,
     field: Option<DistanceField>,
-    field_values: wgpu::Buffer,
+    field_faces: wgpu::Buffer,
     capsules: Vec<Capsule>,
     volume: Option<(VolumeGrid, GpuVolume)>,
     settings: SimulationSettings,
@@ -155,13 +187,13 @@ impl GpuSolver {
         field: Option<&DistanceField>,
         settings: &SimulationSettings,
     ) -> Result<Self, ShaderError> {
-        let kernel = kernel_for(gpu, library, settings)?;
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let model = |guides: &&GuideSet| SimulatedLayer::new(guides, obstacles, settings, Pose::IDENTITY);
         let layers: Vec<Layer> = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
+        let kernel = kernel_for(gpu, library, settings)?;
         let volume = volume_of(gpu, library, &layers, settings)?;
-        let values = field.map_or(&[][..], |field| &field.values);
+        let faces = field.map_or_else(Vec::new, faces_of);
         Ok(Self {
             kernel,
             follow: None,
@@ -169,7 +201,7 @@ impl GpuSolver {
             air: GpuAir::default(),
             layers,
             field: field.cloned(),
-            field_values: gpu.buffer_of("sim.field_values", values, wgpu::BufferUsages::STORAGE),
+            field_faces: gpu.buffer_of("sim.field_faces", &faces, wgpu::BufferUsages::STORAGE),
             capsules,
             volume,
             settings: settings.clone(),
@@ -227,7 +259,7 @@ impl GpuSolver {
                 layer.followed = followed;
                 layer.send_state(&self.gpu, self.pose);
             } else if layer.model.set_settings(obstacles, are_moved, settings, self.pose) {
-                self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
+                layer.send_rest(&self.gpu);
             }
         }
         if VolumeGrid::is_other(&self.settings, settings) {
@@ -241,7 +273,7 @@ impl GpuSolver {
     pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
         let layer = &mut self.layers[layer_idx];
         if layer.model.set_ties(ties, &self.settings, self.pose) {
-            self.gpu.queue.write_buffer(&layer.rest, 0, bytemuck::cast_slice(layer.model.rest_vec4s()));
+            layer.send_rest(&self.gpu);
         }
     }
 
@@ -257,12 +289,15 @@ impl GpuSolver {
         let layers = self.layers.iter().map(|layer| VolumeLayer {
             state: &layer.state,
             n_vertices: layer.model.rest.vertices.len() as u32,
-            params: grid.params(
-                frame.poses[0],
-                &self.settings,
-                [layer.model.rest.n_vertices, layer.model.vec4s_a_vertex() as u32],
-                times,
-            ),
+            params: VolumeParams {
+                lanes: layer.model.lanes()[1].side_by_side,
+                ..grid.params(
+                    frame.poses[0],
+                    &self.settings,
+                    [layer.model.rest.n_vertices, layer.model.vec4s_a_vertex() as u32],
+                    times,
+                )
+            },
         });
         let layers: Vec<VolumeLayer<'_>> = layers.collect();
         volume.record(&self.gpu, encoder, &layers)
@@ -329,7 +364,7 @@ impl GpuSolver {
     pub fn read_state(&self) -> Result<SolverState, GpuError> {
         let mut arrays = Vec::with_capacity(2 * self.layers.len());
         for layer in &self.layers {
-            arrays.push(self.read_vec4s(&layer.state, layer.model.state_vec4s().len())?);
+            arrays.push(layer.read_state(&self.gpu)?);
             arrays.push(self.read_vec4s(&layer.positions, layer.model.shown.len())?);
         }
         arrays.extend(self.air.read_state()?);
@@ -388,7 +423,7 @@ impl GpuSolver {
         let mut sum = Measure::default();
         for layer in &self.layers {
             let mut now = layer.model.clone();
-            now.set_state_vec4s(&self.read_vec4s(&layer.state, now.state_vec4s().len())?);
+            now.set_state_vec4s(&layer.read_state(&self.gpu)?);
             let (x, begun) = now.places();
             sum = sum.and(&measure(&now.rest, obstacles, self.clock.pose_at_step(), &x, &begun, step_secs));
         }
@@ -412,7 +447,7 @@ impl GpuSolver {
         let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
         let contact = [
             ("contact", contact.as_entire_binding()),
-            ("field_values", self.field_values.as_entire_binding()),
+            ("field_faces", self.field_faces.as_entire_binding()),
             ("capsules", capsules.as_entire_binding()),
         ];
         let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
@@ -428,21 +463,24 @@ impl GpuSolver {
         let hair: Vec<GpuHairLayer<'_>> = hair.collect();
         self.air.advance((&self.gpu, &self.library), encoder, air_frame, &contact, &rests, &hair)?;
         // Parameters get a buffer of their own every time: several frames can be recorded before one is submitted.
-        // Strands that have room in a workgroup of the chains' kernel.
-        let n_strands = |layer: &Layer| (CHAIN_LANES / layer.model.rest.n_vertices).max(1);
-        let recorded: Vec<(Bindings, u32, u32)> = self
+        let workgroups = |model: &SimulatedLayer| match self.settings.solver {
+            Solver::Rods => [rod_groups(&self.gpu, model) as u32, 1, 1],
+            // As many strands as have room in each.
+            Solver::Chains => {
+                let n_strands = self.kernel.workgroup_size()[0] / model.rest.n_vertices;
+                grid_1d(model.n_guides() as u32, n_strands.max(1))
+            }
+        };
+        let recorded: Vec<(Bindings, [u32; 3])> = self
             .layers
             .iter()
             .filter(|layer| layer.model.n_guides() > 0 && layer.model.rest.n_vertices >= 2)
-            .map(|layer| Ok((self.bind(layer, frame, &contact)?, layer.model.n_guides() as u32, n_strands(layer))))
+            .map(|layer| Ok((self.bind(layer, frame, &contact)?, workgroups(&layer.model))))
             .collect::<Result<_, ShaderError>>()?;
         let mut pass = encoder
             .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("sim.strand"), timestamp_writes: None });
-        for (bindings, n_guides, n_strands) in &recorded {
-            match self.settings.solver {
-                Solver::Rods => self.kernel.dispatch_items(&mut pass, bindings, *n_guides),
-                Solver::Chains => self.kernel.dispatch(&mut pass, bindings, grid_1d(*n_guides, *n_strands)),
-            }
+        for (bindings, workgroups) in &recorded {
+            self.kernel.dispatch(&mut pass, bindings, *workgroups);
         }
         for layer in &self.layers {
             if let (Some(followed), Some(kernel)) = (&layer.followed, &self.follow) {
@@ -462,6 +500,10 @@ impl GpuSolver {
         for (slot, &pose) in poses.iter_mut().zip(&frame.poses) {
             *slot = pose.into();
         }
+        let mut carries = [GpuPose::from(Pose::IDENTITY); MAX_STEPS_PER_FRAME];
+        for (slot, poses) in carries.iter_mut().zip(frame.poses.windows(2)) {
+            *slot = poses[1].after_inverse_of(&poses[0]).into();
+        }
         let params = FrameParams {
             n_guides: layer.model.n_guides() as u32,
             n_vertices: layer.model.rest.n_vertices,
@@ -473,6 +515,7 @@ impl GpuSolver {
             shown: frame.shown.into(),
             pull: PullParams::new(self.pull.as_ref(), frame.shown),
             poses,
+            carries,
         };
         let uniform = wgpu::BufferUsages::UNIFORM;
         let params = self.gpu.buffer_of("sim.frame", &[params], uniform);

@@ -10,6 +10,7 @@ use crate::air::Air;
 use crate::chain::{self, ChainParams, ChainRest, ChainVertex, step_chain};
 use crate::clock::Frame;
 use crate::contact::Obstacles;
+use crate::lanes::Lanes;
 use crate::pose::Pose;
 use crate::pull::PullParams;
 use crate::rest::{Hold, Rest};
@@ -98,7 +99,7 @@ impl SimulatedLayer {
                 self.put(&of(|v| v.x), &of(|v| v.prev));
             }
             (Law::Chains { .. }, Law::Rods { state: before, .. }) => {
-                let of = |x: fn(&RodVertex) -> Vec4| before.iter().map(|v| x(v).xyz()).collect::<Vec<_>>();
+                let of = |x: fn(&RodVertex) -> Vec3| before.iter().map(x).collect::<Vec<_>>();
                 self.put(&of(|v| v.x), &of(|v| v.prev));
             }
         }
@@ -143,7 +144,7 @@ impl SimulatedLayer {
     /// Where vertices are after the last step, and where they were before it.
     pub fn places(&self) -> (Vec<Vec4>, Vec<Vec4>) {
         match &self.law {
-            Law::Rods { state, .. } => state.iter().map(|v| (v.x, v.begun)).unzip(),
+            Law::Rods { state, .. } => state.iter().map(|v| (v.x.extend(0.0), v.begun().extend(0.0))).unzip(),
             Law::Chains { state, .. } => state.iter().map(|v| (v.x, v.begun)).unzip(),
         }
     }
@@ -155,6 +156,10 @@ impl SimulatedLayer {
 
     pub fn n_guides(&self) -> usize {
         self.rest.n_guides()
+    }
+
+    pub(crate) fn is_of_rods(&self) -> bool {
+        matches!(self.law, Law::Rods { .. })
     }
 
     /// Seconds a step.
@@ -200,6 +205,22 @@ impl SimulatedLayer {
         }
     }
 
+    /// How the GPU keeps the state, and in front of it what is fixed.
+    pub(crate) fn lanes(&self) -> [Lanes; 2] {
+        let vertices = self.rest.n_vertices;
+        let lanes = |n_lanes: usize, of_rest: usize, of_state: usize| {
+            [of_rest, of_state].map(|bytes| Lanes {
+                side_by_side: n_lanes as u32,
+                vertices,
+                numbers: (bytes / size_of::<Vec4>()) as u32,
+            })
+        };
+        match &self.law {
+            Law::Rods { .. } => lanes(rod::LANES, size_of::<RodRest>(), size_of::<RodVertex>()),
+            Law::Chains { .. } => lanes(1, size_of::<ChainRest>(), size_of::<ChainVertex>()),
+        }
+    }
+
     /// Take over a state of [`SimulatedLayer::state_vec4s`]' length.
     pub(crate) fn set_state_vec4s(&mut self, numbers: &[Vec4]) {
         match &mut self.law {
@@ -225,36 +246,41 @@ impl SimulatedLayer {
                         if let Some(by) = frame.carry {
                             rod::carry(s, by);
                         }
+                        for kept in eliminated.iter_mut() {
+                            kept.room = 0.0;
+                        }
                         for (step, poses) in frame.poses.windows(2).enumerate() {
                             let obstacles = obstacles.at_step(step, frame.n_steps());
                             if step + 1 == frame.n_steps() {
                                 for vertex in s.iter_mut() {
-                                    vertex.begun = vertex.x;
+                                    vertex.set_begun(vertex.x);
                                 }
                             }
                             step_rod(s, rest, params, air, obstacles, pull, poses[0], poses[1], eliminated);
                         }
                         rod::recover(s, rest, frame.poses[frame.n_steps()]);
-                        show(shown, places, frame, |k| (s[k].x, s[k].begun));
+                        show(shown, places, frame, |k| (s[k].x, s[k].begun()));
                     },
                 );
             }
             Law::Chains { params, rest, state } => {
                 let strands = state.par_chunks_exact_mut(n).zip(rest.par_chunks_exact(n)).zip(places.zip(shown));
-                strands.for_each(|((s, rest), (places, shown))| {
+                let move_strand = |rooms: &mut Vec<f32>, ((s, rest), (places, shown)): ChainStrand<'_>| {
                     if let Some(by) = frame.carry {
                         chain::carry(s, by);
                     }
+                    rooms.fill(0.0);
                     for (step, poses) in frame.poses.windows(2).enumerate() {
                         let obstacles = obstacles.at_step(step, frame.n_steps());
                         for vertex in s.iter_mut() {
                             vertex.begun = vertex.x;
                         }
-                        step_chain(s, rest, params, air, obstacles, pull, poses[0], poses[1]);
+                        step_chain(s, rest, params, air, obstacles, pull, poses[0], poses[1], rooms);
                     }
                     chain::recover(s, rest, frame.poses[frame.n_steps()]);
-                    show(shown, places, frame, |k| (s[k].x, s[k].begun));
-                });
+                    show(shown, places, frame, |k| (s[k].x.xyz(), s[k].begun.xyz()));
+                };
+                strands.for_each_init(|| vec![0.0; n], move_strand);
             }
         }
     }
@@ -289,11 +315,14 @@ impl Law {
     }
 }
 
+/// What a thread moves at a time: state and rest of a chain, and where it rests and is shown.
+type ChainStrand<'a> = ((&'a mut [ChainVertex], &'a [ChainRest]), (&'a [Vec4], &'a mut [Vec4]));
+
 /// The picture is up to a step ahead of the last step: go on at the present velocity, roots with the head.
-fn show(shown: &mut [Vec4], places: &[Vec4], frame: &Frame, at: impl Fn(usize) -> (Vec4, Vec4)) {
+fn show(shown: &mut [Vec4], places: &[Vec4], frame: &Frame, at: impl Fn(usize) -> (Vec3, Vec3)) {
     for (k, shown) in shown.iter_mut().enumerate() {
         let (x, begun) = at(k);
-        let ahead = x.xyz() + frame.ahead * (x.xyz() - begun.xyz());
+        let ahead = x + frame.ahead * (x - begun);
         *shown = if k < N_PINNED { frame.shown.apply(places[k].xyz()) } else { ahead }.extend(0.0);
     }
 }

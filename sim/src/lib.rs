@@ -15,6 +15,7 @@ pub mod contact;
 pub mod cpu;
 pub mod follow;
 pub mod gpu;
+mod lanes;
 pub mod laws;
 pub mod layer;
 pub mod measure;

@@ -33,18 +33,20 @@
 //! the product of a stiff length and a stiff bend leaves no digits for the inertia, and 64 vertices in 10 cm explode;
 //! bending solved apart from lengths: equilibria then depend on the step, and curls on the split.
 
-use glam::{Mat3, Quat, Vec3, Vec4, Vec4Swizzles};
+use glam::{Mat3, Quat, Vec3, Vec3Swizzles, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
 
 use crate::air::Air;
 use crate::bounded;
-use crate::contact::Obstacles;
+use crate::contact::{Contacted, Obstacles, STEEPEST};
 use crate::pose::{Pose, clamp_length, rotate, shortest_turn};
 use crate::pull::PullParams;
 use crate::rest::Exposure;
 
 /// Vertices at the root that follow the head: the root, and the next one for the growing direction.
 pub const N_PINNED: usize = 2;
+/// Strands that `sim_rod.wgsl` keeps side by side: threads of its workgroups.
+pub(crate) const LANES: usize = 32;
 /// Shortest edge for masses and stiffness, cm.
 const MIN_EDGE: f32 = 0.01;
 /// Most that a joint bends by itself to carry weight at rest, as a curvature times the bending length.
@@ -112,7 +114,7 @@ impl RodParams {
     }
 }
 
-/// What does not change while a strand moves. Layout of `RodRest` in WGSL.
+/// What does not change while a strand moves. Layout of a vertex's four in `rest` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct RodRest {
@@ -120,13 +122,40 @@ pub struct RodRest {
     pub place: Vec4,
     /// Frame of the edge above, head space; the tip has none.
     pub frame: Quat,
-    /// Rotation of the joint in which it has no moment.
-    pub joint: Quat,
-    /// xyz what carries the vertex beside its own strand, head space, cm/s2; w length of the edge above, cm.
-    pub support: Vec4,
-    /// Stiffness over mass by which it is held to the style, 1/s2; share of the wind that it feels; length of hair whose
-    /// mass it stands for, and whose bending, cm.
-    pub numbers: Vec4,
+    /// Of the rotation of the joint in which it has no moment the imaginary part; the real one is not negative.
+    joint: Vec3,
+    /// Of the edge above, cm.
+    pub length: f32,
+    /// What carries the vertex beside its own strand, head space, cm/s2.
+    pub support: Vec3,
+    /// See [`packed`].
+    exposure: f32,
+}
+
+impl RodRest {
+    fn joint(&self) -> Quat {
+        let Vec3 { x, y, z } = self.joint;
+        Quat::from_xyzw(x, y, z, (1.0 - self.joint.length_squared()).max(0.0).sqrt())
+    }
+
+    fn set_joint(&mut self, joint: Quat) {
+        let joint = if joint.w < 0.0 { -joint } else { joint };
+        self.joint = Vec3::new(joint.x, joint.y, joint.z);
+    }
+
+    /// Hold and share of the wind, as they were packed.
+    fn exposure(&self) -> [f32; 2] {
+        let bits = self.exposure.to_bits();
+        [f32::from_bits(bits & 0xffff_0000), (bits & 0xffff) as f32 / 65_535.0]
+    }
+}
+
+/// In the bits of one number the hold with 8 bits of its digits (half a percent) and the share of the wind with 16.
+fn packed(exposure: Exposure) -> f32 {
+    let hold = exposure.hold.max(0.0).to_bits();
+    // To the nearest; a tie goes up.
+    let hold = (hold + 0x8000) & 0xffff_0000;
+    f32::from_bits(hold | (exposure.wind.clamp(0.0, 1.0) * 65_535.0 + 0.5) as u32)
 }
 
 /// Make one strand of [`Rest`](crate::rest::Rest) ready. The style is the shape under gravity; where `is_weightless` it is the
@@ -134,21 +163,19 @@ pub struct RodRest {
 pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &RodParams, is_weightless: bool) -> Vec<RodRest> {
     let n_edges = places.len().saturating_sub(1);
     let edge = |k: usize| places[k + 1].xyz() - places[k].xyz();
-    let mut rest: Vec<RodRest> =
-        places.iter().map(|&place| RodRest { place, joint: Quat::IDENTITY, ..RodRest::default() }).collect();
+    let mut rest: Vec<RodRest> = places.iter().map(|&place| RodRest { place, ..RodRest::default() }).collect();
     let mut frame = Quat::IDENTITY;
     for k in 0..n_edges {
         // The smallest turn from edge to edge: frames without twist.
         frame = (shortest_turn(rotate(frame, Vec3::Z), edge(k)) * frame).normalize();
         rest[k].frame = frame;
-        rest[k].support.w = edge(k).length();
+        rest[k].length = edge(k).length();
     }
-    for k in 0..places.len() {
-        let Exposure { hold, wind } = exposures[k];
-        rest[k].numbers = Vec4::new(hold, wind, mass(&rest, k), joint_length(&rest, k));
+    for (rest, &exposure) in rest.iter_mut().zip(exposures) {
+        rest.exposure = packed(exposure);
     }
     let bend_length = (p.bend / STANDARD_GRAVITY).cbrt();
-    let stiff = |rest: &[RodRest], k: usize| p.bend / rest[k].numbers.w;
+    let stiff = |rest: &[RodRest], k: usize| p.bend / joint_length(rest, k);
     // The same at every joint: a twist is handed down as it is, and must be within what the next joint holds.
     let softest = (1..n_edges).map(|k| stiff(&rest, k)).fold(f32::INFINITY, f32::min);
     let most = (SELF_SUPPORT * p.bend / bend_length.max(MIN_EDGE)).min(2.0 * MOST_MOMENT * softest);
@@ -156,7 +183,8 @@ pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &RodParams, is_weight
     for k in (1..n_edges).rev() {
         let e = edge(k);
         if !is_weightless {
-            load += rest[k + 1].numbers.z * Vec3::from_array(p.gravity);
+            let mass = mass(&rest, k + 1);
+            load += mass * Vec3::from_array(p.gravity);
             let needed = moment + e.cross(load);
             // A force on the edge's end carries what is across the edge, and none of what twists it.
             let twist = moment.dot(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE) * e;
@@ -164,60 +192,76 @@ pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &RodParams, is_weight
             let held = clamp_length(across, (most * most - twist.length_squared()).max(0.0).sqrt());
             let carried = -(across - held).cross(e) / e.length_squared().max(MIN_EDGE * MIN_EDGE);
             load += carried;
-            let support = carried / rest[k + 1].numbers.z;
-            rest[k + 1].support = support.extend(rest[k + 1].support.w);
+            rest[k + 1].support = carried / mass;
             moment = twist + held;
         }
         let stiff = stiff(&rest, k);
         let v = rotate(rest[k].frame.conjugate(), moment) / (2.0 * stiff.max(f32::MIN_POSITIVE));
         let deviation = Quat::from_xyzw(v.x, v.y, v.z, (1.0 - v.length_squared()).max(0.0).sqrt());
-        rest[k].joint = (rest[k - 1].frame.conjugate() * rest[k].frame * deviation.conjugate()).normalize();
+        let joint = rest[k - 1].frame.conjugate() * rest[k].frame * deviation.conjugate();
+        rest[k].set_joint(joint.normalize());
     }
     rest
 }
 
 /// Length of hair whose bending joint `k` stands for, cm. The first is clamped by the head on one side.
 fn joint_length(rest: &[RodRest], k: usize) -> f32 {
-    let below = if k <= 1 { 0.0 } else { rest[k - 1].support.w };
-    (0.5 * (below + rest[k].support.w)).max(MIN_EDGE)
+    half_lengths(if k <= 1 { 0.0 } else { rest[k - 1].length }, rest[k].length)
 }
 
 /// Length of hair whose mass vertex `k` stands for, cm: mass is told in centimetres of hair.
 fn mass(rest: &[RodRest], k: usize) -> f32 {
-    let below = if k == 0 { 0.0 } else { rest[k - 1].support.w };
-    (0.5 * (below + rest[k].support.w)).max(MIN_EDGE)
+    half_lengths(if k == 0 { 0.0 } else { rest[k - 1].length }, rest[k].length)
 }
 
-/// State of one vertex. Layout of `RodVertex` in WGSL.
+/// Length of hair whose mass or bending is that of the ends of two edges, cm.
+fn half_lengths(below: f32, above: f32) -> f32 {
+    (0.5 * (below + above)).max(MIN_EDGE)
+}
+
+/// State of one vertex. Layout of a vertex's four in `s` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct RodVertex {
     /// World, cm.
-    pub x: Vec4,
+    pub x: Vec3,
+    begun_x: f32,
     /// A step ago; a contact moves it where it takes velocity.
-    pub prev: Vec4,
-    /// Where the last step began.
-    pub begun: Vec4,
+    pub prev: Vec3,
+    begun_y: f32,
+    /// Over the last step, cm/s2.
+    pub acceleration: Vec3,
+    begun_z: f32,
     /// Of the edge above, world.
     pub frame: Quat,
-    /// Over the last step, cm/s2.
-    pub acceleration: Vec4,
+}
+
+impl RodVertex {
+    /// Where the last step began.
+    pub fn begun(&self) -> Vec3 {
+        Vec3::new(self.begun_x, self.begun_y, self.begun_z)
+    }
+
+    /// See [`RodVertex::begun`].
+    pub fn set_begun(&mut self, begun: Vec3) {
+        [self.begun_x, self.begun_y, self.begun_z] = begun.to_array();
+    }
 }
 
 /// At rest on a head at `pose`.
 pub fn at_rest(rest: &RodRest, pose: Pose) -> RodVertex {
-    let x = pose.apply(rest.place.xyz()).extend(0.0);
+    let x = pose.apply(rest.place.xyz());
     let frame = (pose.rotation * rest.frame).normalize();
-    RodVertex { x, prev: x, begun: x, frame, acceleration: Vec4::ZERO }
+    let mut vertex = RodVertex { x, prev: x, frame, ..RodVertex::default() };
+    vertex.set_begun(x);
+    vertex
 }
 
 /// Put a strand to given places, as little twisted against rest as they allow.
 pub fn put(s: &mut [RodVertex], rest: &[RodRest], x: &[Vec3], prev: &[Vec3]) {
     for k in 0..s.len() {
-        s[k].x = x[k].extend(0.0);
-        s[k].prev = prev[k].extend(0.0);
-        s[k].begun = s[k].prev;
-        s[k].acceleration = Vec4::ZERO;
+        (s[k].x, s[k].prev, s[k].acceleration) = (x[k], prev[k], Vec3::ZERO);
+        s[k].set_begun(prev[k]);
     }
     for k in 1..s.len().saturating_sub(1) {
         let frame = (s[k - 1].frame * rest[k - 1].frame.conjugate() * rest[k].frame).normalize();
@@ -227,21 +271,31 @@ pub fn put(s: &mut [RodVertex], rest: &[RodRest], x: &[Vec3], prev: &[Vec3]) {
 
 /// Move everything rigidly.
 pub fn carry(s: &mut [RodVertex], carry: Pose) {
-    let moved = |x: Vec4| carry.apply(x.xyz()).extend(0.0);
     for vertex in s {
-        vertex.x = moved(vertex.x);
-        vertex.prev = moved(vertex.prev);
-        vertex.begun = moved(vertex.begun);
+        vertex.set_begun(carry.apply(vertex.begun()));
+        vertex.x = carry.apply(vertex.x);
+        vertex.prev = carry.apply(vertex.prev);
         vertex.frame = (carry.rotation * vertex.frame).normalize();
     }
 }
 
-/// What the sweep to the root leaves for the sweep to the tip: omega_k = gain omega_k-1 - turn - lever dx_k.
+/// A matrix that is its own transpose.
+#[derive(Debug, Clone, Copy, Default)]
+struct Symmetric {
+    diagonal: Vec3,
+    /// yz, xz, xy.
+    off: Vec3,
+}
+
+/// What is kept of a strand from sweep to sweep, and from step to step of a frame.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Eliminated {
-    gain: Mat3,
+    /// What the sweep to the root leaves for the sweep to the tip: omega_k = gain omega_k-1 - turn - lever dx_k.
+    gain: Symmetric,
     lever: Mat3,
     turn: Vec3,
+    /// How far vertex k is from a contact, cm; 0 where that is not known.
+    pub room: f32,
 }
 
 /// One step: the head goes from `before` to `after`.
@@ -256,10 +310,10 @@ pub fn step_rod(
     after: Pose,
     eliminated: &mut [Eliminated],
 ) {
-    sweep_to_root(s, rest, p, air, pull, before, after, eliminated);
-    sweep_to_tip(s, rest, p, before, after, eliminated);
-    if collide(s, rest, obstacles, before, after) {
-        close_lengths(s, rest, p, obstacles, after);
+    let carry = after.after_inverse_of(&before);
+    sweep_to_root(s, rest, p, air, pull, carry, after, eliminated);
+    if sweep_to_tip(s, rest, p, obstacles, [before, carry, after], eliminated) {
+        close_lengths(s, rest, p, obstacles, after, eliminated);
     }
 }
 
@@ -276,99 +330,108 @@ fn sweep_to_root(
     p: &RodParams,
     air: &Air,
     pull: &PullParams,
-    before: Pose,
+    carry: Pose,
     after: Pose,
     out: &mut [Eliminated],
 ) {
     let n = s.len();
     let h = p.step_secs;
-    let carry = after.after_inverse_of(&before);
     let gravity = Vec3::from_array(p.gravity);
+    let (across, along) = (p.damping + p.drag, p.damping_along + DRAG_ALONG * p.drag);
     // The articulated inertia: 1/2 dx.A dx + dx.B omega + 1/2 omega.C omega + px.dx + pw.omega.
-    let (mut a, mut b, mut c) = (Mat3::ZERO, Mat3::ZERO, Mat3::ZERO);
+    let (mut a, mut b, mut c) = (Symmetric::default(), Mat3::ZERO, Symmetric::default());
     let (mut px, mut pw) = (Vec3::ZERO, Vec3::ZERO);
     let mut load = Vec3::ZERO;
     let mut frame = if n > 2 { carried_frame(s, rest, n - 2, carry, after) } else { Quat::IDENTITY };
+    let mut length_above = 0.0;
     for k in (1..n.saturating_sub(1)).rev() {
         let j = k + 1;
         let frame_below = carried_frame(s, rest, k - 1, carry, after);
-        let length = rest[k].support.w;
+        let length = rest[k].length;
         let t = rotate(frame, Vec3::Z);
         let e = length * t;
         // Compute what drives vertex j, relative to going rigidly with the head.
-        let x = s[j].x.xyz();
+        let x = s[j].x;
         let carried = carry.apply(x);
-        let own = clamp_length(2.0 * x - s[j].prev.xyz() - carried, MAX_SPEED * h);
-        let [stiffness, exposed, mass, _] = rest[j].numbers.to_array();
+        let own = clamp_length(2.0 * x - s[j].prev - carried, MAX_SPEED * h);
+        let [stiffness, exposed] = rest[j].exposure();
+        let mass = half_lengths(length, length_above);
         let to_style = after.apply(rest[j].place.xyz()) - carried;
         let (pull_way, pulled) = pull.on(j, n, rest[j].place.xyz(), carried, after);
-        let held = gravity + rotate(after.rotation, rest[j].support.xyz()) + stiffness * to_style;
+        let held = gravity + rotate(after.rotation, rest[j].support) + stiffness * to_style;
         let force = held + pulled * pull_way;
         let blown = h * exposed * air.velocity(x) - (carried - x);
-        let (across, along) = (p.damping + p.drag, p.damping_along + DRAG_ALONG * p.drag);
         let drag = p.drag * (blown - (1.0 - DRAG_ALONG) * t.dot(blown) * t);
         let r = mass * (own + h * h * force + h * drag);
         // A hand damps what it holds, half as much as would keep it from swinging.
         let d = mass * (1.0 + h * (across + pulled.sqrt()) + h * h * (stiffness + pulled));
-        a += Mat3::from_diagonal(Vec3::splat(d)) + outer(t, mass * h * (along - across));
+        let dragged = outer(t, mass * h * (along - across));
+        a.diagonal += d + dragged.diagonal;
+        a.off += dragged.off;
         px -= r;
-        load += mass * (force - s[j].acceleration.xyz());
+        load += mass * (force - s[j].acceleration);
         // Compute the inertia about vertex k, with dx_j = dx_k + omega x e.
-        let ea = cross_columns(e, a);
+        let ea = cross_columns(e, full(a)).transpose();
         let eb = cross_columns(e, b);
-        let b_below = b + ea.transpose();
+        let b_below = b + ea;
+        let eae = cross_columns(e, ea);
         let tension = h * h * load.dot(e).max(0.0);
+        let taut = outer(t, tension);
         let spin = SPIN * mass * length.max(MIN_EDGE).powi(2);
-        let c_below = c
-            + eb
-            + eb.transpose()
-            + cross_columns(e, ea.transpose())
-            + Mat3::from_diagonal(Vec3::splat(tension + spin))
-            - outer(t, tension);
+        let both = eb + eb.transpose() + eae;
+        c.diagonal += Vec3::new(both.x_axis.x, both.y_axis.y, both.z_axis.z) + (tension + spin) - taut.diagonal;
+        c.off += Vec3::new(both.y_axis.z, both.x_axis.z, both.x_axis.y) - taut.off;
         let pw_below = pw + e.cross(px);
         // Eliminate omega_k.
-        let stiff = p.bend / rest[k].numbers.w;
-        let g = h * h * moment_of_joint(frame_below, frame, rest[k].joint, stiff);
+        let stiff = p.bend / joint_length(rest, k);
+        let g = h * h * moment_of_joint(frame_below, frame, rest[k].joint(), stiff);
         let beta = stiff * (h * h + h * p.bend_damping);
-        let inverse = inverse_symmetric(c_below + Mat3::from_diagonal(Vec3::splat(beta)));
-        let turn = inverse * (pw_below + g);
-        let lever = inverse * b_below.transpose();
-        out[k] = Eliminated { gain: inverse * beta, lever, turn };
-        a -= b_below * lever;
+        let inverse = inverse_symmetric(Symmetric { diagonal: c.diagonal + beta, off: c.off });
+        let inverse_full = full(inverse);
+        let turn = times(inverse, pw_below + g);
+        let lever = inverse_full * b_below.transpose();
+        let gain = Symmetric { diagonal: beta * inverse.diagonal, off: beta * inverse.off };
+        out[k] = Eliminated { gain, lever, turn, room: out[k].room };
+        let moved = symmetric_product(b_below, lever);
+        a.diagonal -= moved.diagonal;
+        a.off -= moved.off;
         b = lever.transpose() * beta;
-        c = inverse * c_below * beta;
         px -= b_below * turn;
-        pw = beta * (inverse * pw_below) - inverse * (c_below * g);
+        pw = beta * times(inverse, pw_below) - times(inverse, times(c, g));
+        c = symmetric_product(inverse_full, full(c));
+        c.diagonal *= beta;
+        c.off *= beta;
         frame = frame_below;
+        length_above = length;
     }
 }
 
-/// Turn the edges from root to tip.
+/// Turn the edges from root to tip; true where a vertex touches an obstacle, and lengths are no longer exact.
 fn sweep_to_tip(
     s: &mut [RodVertex],
     rest: &[RodRest],
     p: &RodParams,
-    before: Pose,
-    after: Pose,
-    eliminated: &[Eliminated],
-) {
+    obstacles: Obstacles<'_>,
+    [before, carry, after]: [Pose; 3],
+    eliminated: &mut [Eliminated],
+) -> bool {
     let h = p.step_secs;
-    let carry = after.after_inverse_of(&before);
+    let mut touches = false;
     let (mut omega, mut dx) = (Vec3::ZERO, Vec3::ZERO);
     let mut below = Vec3::ZERO;
     for k in 0..s.len().min(N_PINNED) {
         s[k].prev = s[k].x;
         below = after.apply(rest[k].place.xyz());
-        s[k].x = below.extend(0.0);
+        s[k].x = below;
     }
     if let Some(root) = s.first_mut() {
         root.frame = (after.rotation * rest[0].frame).normalize();
     }
     for k in 1..s.len().saturating_sub(1) {
-        let Eliminated { gain, lever, turn } = eliminated[k];
-        let length = rest[k].support.w;
+        let Eliminated { gain, lever, turn, .. } = eliminated[k];
+        let length = rest[k].length;
         let mut frame = carried_frame(s, rest, k, carry, after);
-        omega = clamp_length(gain * omega - turn - lever * dx, MAX_TURN);
+        omega = clamp_length(times(gain, omega) - turn - lever * dx, MAX_TURN);
         if omega.length_squared() < STILL * STILL {
             omega = Vec3::ZERO;
         }
@@ -384,44 +447,57 @@ fn sweep_to_tip(
                 (frame, x) = (styled, styled_x);
             }
         }
-        let was = s[k + 1].x.xyz();
-        s[k + 1].acceleration = (((x - was) - (was - s[k + 1].prev.xyz())) / (h * h)).extend(0.0);
-        s[k].frame = frame;
-        s[k + 1].x = x.extend(0.0);
-        s[k + 1].prev = was.extend(0.0);
         below = x;
-    }
-}
-
-/// Keep vertices out of the head and the colliders; true where one touches, and lengths are no longer exact.
-fn collide(s: &mut [RodVertex], rest: &[RodRest], obstacles: Obstacles<'_>, before: Pose, after: Pose) -> bool {
-    let mut touches = false;
-    for k in N_PINNED..s.len() {
-        let along = k as f32 / (s.len() - 1) as f32;
-        let was = s[k].x.xyz();
-        let (x, prev) = obstacles.collide(was, s[k].prev.xyz(), rest[k].place.w, along, before, after);
-        if x != was {
-            touches = true;
-            s[k].x = x.extend(0.0);
-            s[k].prev = prev.extend(0.0);
-        }
+        let was = s[k + 1].x;
+        s[k + 1].acceleration = ((x - was) - (was - s[k + 1].prev)) / (h * h);
+        let room = eliminated[k + 1].room;
+        let contacted = collide(rest, obstacles, k + 1, x, was, room, [before, carry, after]);
+        touches |= contacted.x != x;
+        s[k].frame = frame;
+        (s[k + 1].x, s[k + 1].prev) = (contacted.x, contacted.prev);
+        eliminated[k + 1].room = contacted.room;
     }
     touches
+}
+
+/// Keep a vertex out of the head and the colliders; `room` is how far from a contact it was at `prev`.
+fn collide(
+    rest: &[RodRest],
+    obstacles: Obstacles<'_>,
+    k: usize,
+    x: Vec3,
+    prev: Vec3,
+    room: f32,
+    [before, carry, after]: [Pose; 3],
+) -> Contacted {
+    let left = room - STEEPEST * obstacles.way(x, prev, carry.apply(prev));
+    if left > 0.0 {
+        return Contacted { x, prev, room: left };
+    }
+    let along = k as f32 / (rest.len() - 1) as f32;
+    obstacles.collide(x, prev, rest[k].place.w, along, before, after)
 }
 
 /// Put every vertex at its exact distance from the one below and out of all obstacles. Where an obstacle holds a vertex
 /// back, those below are pulled to it, and the strand is closed again from the root (after FABRIK, Aristidou and
 /// Lasenby 2011): root to tip alone would drag what hangs on a rod through it. Frames follow the edges.
-fn close_lengths(s: &mut [RodVertex], rest: &[RodRest], p: &RodParams, obstacles: Obstacles<'_>, after: Pose) {
+fn close_lengths(
+    s: &mut [RodVertex],
+    rest: &[RodRest],
+    p: &RodParams,
+    obstacles: Obstacles<'_>,
+    after: Pose,
+    kept: &mut [Eliminated],
+) {
     for reach in 0..=REACHES {
-        if !reach_from_root(s, rest, p, obstacles, after, reach < REACHES) {
+        if !reach_from_root(s, rest, p, obstacles, after, reach < REACHES, kept) {
             break;
         }
-        reach_from_tip(s, rest, obstacles, after);
+        reach_from_tip(s, rest, obstacles, after, kept);
     }
     for k in 1..s.len() - 1 {
         let frame = s[k].frame;
-        let edge = s[k + 1].x.xyz() - s[k].x.xyz();
+        let edge = s[k + 1].x - s[k].x;
         s[k].frame = (shortest_turn(rotate(frame, Vec3::Z), edge) * frame).normalize();
     }
 }
@@ -434,16 +510,16 @@ fn reach_from_root(
     obstacles: Obstacles<'_>,
     after: Pose,
     may_hold: bool,
+    kept: &mut [Eliminated],
 ) -> bool {
     let mut is_held = false;
     for k in N_PINNED..s.len() {
-        let below = s[k - 1].x.xyz();
-        let length = rest[k - 1].support.w;
-        let along = k as f32 / (s.len() - 1) as f32;
-        let start = s[k].x.xyz();
+        let below = s[k - 1].x;
+        let length = rest[k - 1].length;
+        let start = s[k].x;
         let mut x = at_length(below, start, length, s[k - 1].frame);
         for _ in 0..p.n_iterations {
-            let kept = obstacles.keep_out(start, x, rest[k].place.w, along, after);
+            let kept = keep_out(rest, obstacles, k, [start, x], kept[k].room, after);
             if kept == x {
                 break;
             }
@@ -454,23 +530,51 @@ fn reach_from_root(
                 break;
             }
         }
-        s[k].prev += (x - start).extend(0.0);
-        s[k].x = x.extend(0.0);
+        s[k].prev += x - start;
+        s[k].x = x;
+        kept[k].room = room_after(kept[k].room, start, x);
     }
     is_held
 }
 
 /// From the tip down, edges that are too long; it takes the velocity that made them so.
-fn reach_from_tip(s: &mut [RodVertex], rest: &[RodRest], obstacles: Obstacles<'_>, after: Pose) {
+fn reach_from_tip(
+    s: &mut [RodVertex],
+    rest: &[RodRest],
+    obstacles: Obstacles<'_>,
+    after: Pose,
+    kept: &mut [Eliminated],
+) {
     for k in (N_PINNED..s.len() - 1).rev() {
-        let length = rest[k].support.w;
-        let along = k as f32 / (s.len() - 1) as f32;
-        let (x, above) = (s[k].x.xyz(), s[k + 1].x.xyz());
-        if x.distance(above) > 1.001 * length {
-            let pulled = at_length(above, x, length, s[k].frame);
-            s[k].x = obstacles.keep_out(x, pulled, rest[k].place.w, along, after).extend(0.0);
+        let length = rest[k].length;
+        let (start, above) = (s[k].x, s[k + 1].x);
+        if start.distance(above) > 1.001 * length {
+            let pulled = at_length(above, start, length, s[k].frame);
+            s[k].x = keep_out(rest, obstacles, k, [start, pulled], kept[k].room, after);
+            kept[k].room = room_after(kept[k].room, start, s[k].x);
         }
     }
+}
+
+/// Keep out a vertex that goes from `start` to `x`; `room` is how far from a contact it was there.
+fn keep_out(
+    rest: &[RodRest],
+    obstacles: Obstacles<'_>,
+    k: usize,
+    [start, x]: [Vec3; 2],
+    room: f32,
+    after: Pose,
+) -> Vec3 {
+    if room > STEEPEST * start.distance(x) {
+        return x;
+    }
+    let along = k as f32 / (rest.len() - 1) as f32;
+    obstacles.keep_out(start, x, rest[k].place.w, along, after)
+}
+
+/// How far from a contact a vertex still is that has gone from `start` to `x`.
+fn room_after(room: f32, start: Vec3, x: Vec3) -> f32 {
+    (room - STEEPEST * start.distance(x)).max(0.0)
 }
 
 /// The place in the direction of `x` that is as far from `below` as at rest; in the edge's own where there is none.
@@ -484,7 +588,7 @@ fn at_length(below: Vec3, x: Vec3, length: f32, frame: Quat) -> Vec3 {
 pub fn recover(s: &mut [RodVertex], rest: &[RodRest], after: Pose) {
     let mut sum = 0.0;
     for k in 0..s.len() {
-        sum += (s[k].x.xyz() - s[k].prev.xyz()).abs().element_sum() + s[k].frame.length_squared();
+        sum += (s[k].x - s[k].prev).abs().element_sum() + s[k].frame.length_squared();
     }
     // False for NaN and infinity too.
     if sum < 1e15 {
@@ -507,16 +611,36 @@ fn cross_columns(e: Vec3, m: Mat3) -> Mat3 {
     Mat3::from_cols(e.cross(m.x_axis), e.cross(m.y_axis), e.cross(m.z_axis))
 }
 
+fn full(m: Symmetric) -> Mat3 {
+    let (d, o) = (m.diagonal, m.off);
+    Mat3::from_cols(Vec3::new(d.x, o.z, o.y), Vec3::new(o.z, d.y, o.x), Vec3::new(o.y, o.x, d.z))
+}
+
+fn times(m: Symmetric, v: Vec3) -> Vec3 {
+    let o = m.off;
+    m.diagonal * v + Vec3::new(o.z * v.y + o.y * v.z, o.z * v.x + o.x * v.z, o.y * v.x + o.x * v.y)
+}
+
+/// `a b`, known to be its own transpose.
+fn symmetric_product(a: Mat3, b: Mat3) -> Symmetric {
+    let (x, y, z) = (a.row(0), a.row(1), a.row(2));
+    Symmetric {
+        diagonal: Vec3::new(x.dot(b.x_axis), y.dot(b.y_axis), z.dot(b.z_axis)),
+        off: Vec3::new(y.dot(b.z_axis), x.dot(b.z_axis), x.dot(b.y_axis)),
+    }
+}
+
 /// `scale` times the outer product of `v` with itself.
-fn outer(v: Vec3, scale: f32) -> Mat3 {
+fn outer(v: Vec3, scale: f32) -> Symmetric {
     let scaled = scale * v;
-    Mat3::from_cols(scaled * v.x, scaled * v.y, scaled * v.z)
+    Symmetric { diagonal: scaled * v, off: scaled.yxx() * v.zzy() }
 }
 
 /// By cofactors; `m` is positive definite.
-fn inverse_symmetric(m: Mat3) -> Mat3 {
-    let (x, y, z) = (m.x_axis, m.y_axis, m.z_axis);
-    let (yz, zx, xy) = (y.cross(z), z.cross(x), x.cross(y));
-    let scale = 1.0 / x.dot(yz);
-    Mat3::from_cols(scale * yz, scale * zx, scale * xy).transpose()
+fn inverse_symmetric(m: Symmetric) -> Symmetric {
+    let (d, o) = (m.diagonal, m.off);
+    let off = o.yxx() * o.zzy() - d * o;
+    let diagonal = d.yxx() * d.zzy() - o * o;
+    let scale = 1.0 / (d.x * diagonal.x + o.z * off.z + o.y * off.y);
+    Symmetric { diagonal: scale * diagonal, off: scale * off }
 }

@@ -41,17 +41,19 @@ pub struct MeasureArguments {
     /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter, size,
     /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
     /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}; of `movement`
-    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}]}; of `laws` {device, rows:
+    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}], beside: [{strands, what,
+    /// gpu_ms, plain_ms}]}; of `laws` {device, rows:
     /// [{law, scene, of, value, unit, relation, bound, holds}]}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "", value_parser = path_or_none())]
     pub(super) write: Option<PathBuf>,
-    /// Strands of each groom. Of `shadowing` (20,000 without it), `transparency` (as many as the groom has) and `frames`.
+    /// Strands of each groom. Of `shadowing` (20,000 without it), `transparency` (as many as the groom has), `frames`, and
+    /// `movement` (of 32 vertices, instead of its own).
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=1_000_000))]
     pub(super) strands: Option<u32>,
-    /// Only this technique, by its name in `lorelei looks`. Of `shadowing`.
+    /// Only this technique, by its name in `lorelei looks`. Of `shadowing`, and of `movement`: only this law.
     #[arg(long, value_name = "NAME")]
     pub(super) only: Option<String>,
     /// Side of the picture in pixels. Of `transparency`.

@@ -66,7 +66,9 @@ pub struct VolumeParams {
     pub push: f32,
     /// Share of the difference to the hair around that a frame takes away.
     pub blend: f32,
-    pub pad: [u32; 3],
+    /// Guides whose vertices lie side by side: see [`Lanes`](crate::lanes::Lanes).
+    pub lanes: u32,
+    pub pad: [u32; 2],
 }
 
 /// What a vertex stands for. Layout of `Crowd` in WGSL.
@@ -156,7 +158,8 @@ impl VolumeGrid {
             n_vertices: 0,
             per_guide,
             stride,
-            pad: [0; 3],
+            lanes: 1,
+            pad: [0; 2],
             tolerance: bounded(settings.volume_tolerance, default.volume_tolerance, 0.01, 10.0),
             push: GRAVITY * bounded(settings.volume_push, default.volume_push, 0.0, 100.0) * step_secs * frame_secs,
             blend: match settings.volume {
