@@ -137,7 +137,7 @@ pub fn of_air() -> Vec<Row> {
     rows.push(row(calm, scene("3 cm behind"), share(around.lee.abs()), "% of the wind", Bound::AtMost(33.0)));
     let blows = "the wind goes around it";
     rows.push(row(blows, scene("9 cm before"), share(around.before), "% of the wind", Bound::AtLeast(67.0)));
-    rows.push(row(blows, scene("4 cm beside"), share(around.side), "% of the wind", Bound::AtLeast(100.0)));
+    rows.push(row(blows, scene("4 cm beside"), share(around.side), "% of the wind", Bound::AtLeast(105.0)));
     rows.push(row(
         "still in the head",
         scene("inside"),
