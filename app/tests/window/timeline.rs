@@ -3,6 +3,7 @@
 
 use lorelei_core::document;
 use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::simulation::Moved;
 
 use crate::sample::small_groom;
 use crate::studio::{Display, Studio, begin, difference, numbers};
@@ -72,4 +73,31 @@ fn time_is_scrubbed_looped_simulated_and_taken_over_with_real_events() {
     studio.screenshot("5_rest");
     studio.key("ctrl+z");
     studio.wait("the old rest", |state| state["n_done"] == before && state["still"] == true);
+}
+
+#[test]
+fn every_strand_moves_by_itself_and_is_baked_to_a_layer_of_strands() {
+    let Some((_alone, folder)) = begin("every-strand") else { return };
+    let file = folder.join("small.lorelei");
+    let movement = Movement { motion: Motion::Shake, end: 12, ..Movement::default() };
+    let mut groom = lorelei_core::groom::Groom { movement, ..small_groom() };
+    groom.simulation.moved = Moved::Strands;
+    document::save(&groom, &file).unwrap();
+    let display = Display::start();
+    let mut studio = Studio::open(&display, &folder, &[file.to_str().unwrap()], "first");
+    let opened = studio.wait("the first picture", |state| state["still"] == true);
+    let viewport: [f64; 4] = numbers(&opened["viewport"]);
+    let at_rest = studio.screenshot("1_rest");
+    studio.command("last frame");
+    studio.wait("the end", |state| state["timeline"]["at"] == 12 && state["still"] == true);
+    let moved = studio.screenshot("2_moved");
+    assert!(difference(&at_rest, &moved, viewport) > 0.002, "the hair has moved");
+    // Guides cannot rest where strands have gone: it is said, and nothing happens.
+    let before = studio.state()["n_done"].as_u64().unwrap();
+    studio.command("set current as rest");
+    studio.wait("why not", |state| state["notices"].to_string().contains("Every strand has moved by itself"));
+    assert_eq!(studio.state()["n_done"].as_u64().unwrap(), before);
+    studio.command("bake to guides");
+    studio.wait("a step", |state| state["n_done"] == before + 1 && state["still"] == true);
+    studio.screenshot("3_baked");
 }
