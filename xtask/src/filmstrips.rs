@@ -69,7 +69,7 @@ pub fn filmstrips(args: &[String]) -> Result<(), String> {
             println!("{style}, {motion}");
             let mut simulate = Command::new(&program);
             simulate.args(["simulate", style, "--motion", motion, "--seconds", seconds, "--on", "cpu", "--json"]);
-            simulate.args(["--strands", "6000", "--size", "300x320", "--rest", "2", "--camera"]);
+            simulate.args(["--strands", "20000", "--size", "300x320", "--rest", "2", "--camera"]);
             simulate.arg(format!("{view},{distance}")).arg("--filmstrip").arg(&picture);
             let output = simulate.output().map_err(|why| format!("lorelei could not be started: {why}"))?;
             if !output.status.success() {
