@@ -30,6 +30,7 @@ struct Crowd {
 }
 
 @group(0) @binding(auto) var<uniform> volume: VolumeParams;
+// Side by side like the state.
 @group(0) @binding(auto) var<storage, read> crowds: array<Crowd>;
 // Of every vertex its place, where it was a step ago, and what else its law keeps; in the order of sim/src/lanes.rs.
 @group(0) @binding(auto) var<storage, read_write> s: array<vec4<f32>>;
@@ -52,12 +53,20 @@ fn pose_of() -> Pose {
     return Pose(volume.rotation, volume.translation);
 }
 
+// Of what the thread with number `idx` takes: threads go in the order in which the state lies, so that neighbours read side by
+// side. The last group of guides may not be full.
+fn is_vertex(idx: u32) -> bool {
+    let guide_idx = idx / (volume.lanes * volume.per_guide) * volume.lanes + idx % volume.lanes;
+    return guide_idx * volume.per_guide < volume.n_vertices;
+}
+
+fn place_on_guide(idx: u32) -> u32 {
+    return idx / volume.lanes % volume.per_guide;
+}
+
 // Where the first of what is kept of a vertex is; the next is as many places on as there are lanes.
 fn state_at(idx: u32) -> u32 {
-    let guide_idx = idx / volume.per_guide;
-    let k = idx % volume.per_guide;
-    let group = guide_idx / volume.lanes;
-    return (group * volume.per_guide + k) * volume.stride * volume.lanes + guide_idx % volume.lanes;
+    return idx / volume.lanes * volume.lanes * volume.stride + idx % volume.lanes;
 }
 
 fn index(cell: vec3<i32>) -> u32 {
@@ -82,7 +91,7 @@ fn share_of(offset: vec3<f32>, t: vec3<f32>) -> vec3<f32> {
 @compute @workgroup_size(64)
 fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
     let idx = id.x + id.y * n_groups.x * 64u;
-    if idx >= volume.n_vertices {
+    if !is_vertex(idx) {
         return;
     }
     let first = state_at(idx);
@@ -159,7 +168,7 @@ fn sample(p: vec3<f32>) -> Sampled {
 @compute @workgroup_size(64)
 fn push(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
     let idx = id.x + id.y * n_groups.x * 64u;
-    if idx >= volume.n_vertices || idx % volume.per_guide < N_PINNED {
+    if !is_vertex(idx) || place_on_guide(idx) < N_PINNED {
         return;
     }
     let first = state_at(idx);

@@ -544,7 +544,8 @@ fn volume_of(
     settings: &SimulationSettings,
 ) -> Result<Option<(VolumeGrid, GpuVolume)>, ShaderError> {
     let grid = VolumeGrid::new(&layers.iter().map(|layer| &layer.model.rest).collect::<Vec<_>>(), settings);
-    grid.map(|grid| GpuVolume::new(gpu, library, &grid).map(|volume| (grid, volume))).transpose()
+    let lanes = layers.iter().map(|layer| layer.model.lanes()[1]);
+    grid.map(|grid| GpuVolume::new(gpu, library, &grid, lanes).map(|volume| (grid, volume))).transpose()
 }
 
 fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings) -> Result<Kernel, ShaderError> {

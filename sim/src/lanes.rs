@@ -7,9 +7,10 @@
 
 use std::borrow::Cow;
 
+use bytemuck::Zeroable;
 use glam::Vec4;
 
-/// How an array of numbers of four lies in a buffer.
+/// How an array of numbers (of four, or of what a vertex has) lies in a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lanes {
     /// Guides side by side; with 1 the order is that of the CPU.
@@ -22,11 +23,11 @@ pub(crate) struct Lanes {
 
 impl Lanes {
     /// As a buffer has them; where the last group is not full, the rest is zero.
-    pub fn lay(self, numbers: &[Vec4]) -> Cow<'_, [Vec4]> {
+    pub fn lay<T: Copy + Zeroable>(self, numbers: &[T]) -> Cow<'_, [T]> {
         if self.side_by_side == 1 || numbers.is_empty() {
             return Cow::Borrowed(numbers);
         }
-        let mut laid = vec![Vec4::ZERO; self.len(numbers.len())];
+        let mut laid = vec![T::zeroed(); self.len(numbers.len())];
         for (idx, &number) in numbers.iter().enumerate() {
             laid[self.place(idx)] = number;
         }
@@ -80,6 +81,6 @@ mod tests {
         let alone = Lanes { side_by_side: 1, ..lanes };
         assert_eq!(alone.lay(&numbers), numbers);
         assert_eq!(alone.take_up(vec![Vec4::ONE; 9], 2), [Vec4::ONE; 2]);
-        assert!(lanes.lay(&[]).is_empty() && lanes.take_up(vec![Vec4::ONE], 0).is_empty());
+        assert!(lanes.lay::<Vec4>(&[]).is_empty() && lanes.take_up(vec![Vec4::ONE], 0).is_empty());
     }
 }

@@ -2,7 +2,8 @@
 
 use lorelei_shaders::{Gpu, Kernel, ShaderError, ShaderLibrary};
 
-use super::{VolumeGrid, VolumeParams};
+use super::{Crowd, VolumeGrid, VolumeParams};
+use crate::lanes::Lanes;
 
 /// The kernels, and the buffers of one groom.
 pub struct GpuVolume {
@@ -24,18 +25,26 @@ pub struct VolumeLayer<'a> {
 }
 
 impl GpuVolume {
-    /// Fails where the shader does not link or the device does not take it.
-    pub fn new(gpu: &Gpu, library: &ShaderLibrary, grid: &VolumeGrid) -> Result<Self, ShaderError> {
+    /// `lanes`: how the state of every layer lies. Fails where the shader does not link or the device does not take it.
+    pub(crate) fn new(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        grid: &VolumeGrid,
+        lanes: impl Iterator<Item = Lanes>,
+    ) -> Result<Self, ShaderError> {
         let kernel = |entry: &str| library.kernel(gpu, "volume_hair", entry, &[], &[]);
         let storage = wgpu::BufferUsages::STORAGE;
         let n_cells = grid.n.iter().product::<u32>();
+        let crowds_of = |(crowds, lanes): (&Vec<Crowd>, Lanes)| {
+            gpu.buffer_of("sim.volume.crowds", &Lanes { numbers: 1, ..lanes }.lay(crowds), storage)
+        };
         Ok(Self {
             splat: kernel("splat")?,
             blur: kernel("blur")?,
             push: kernel("push")?,
             counts: gpu.buffer("sim.volume.counts", u64::from(n_cells) * 16, storage),
             blurred: gpu.buffer("sim.volume.blurred", u64::from(n_cells) * 16, storage),
-            crowds: grid.crowds.iter().map(|crowds| gpu.buffer_of("sim.volume.crowds", crowds, storage)).collect(),
+            crowds: grid.crowds.iter().zip(lanes).map(crowds_of).collect(),
             n_cells,
         })
     }
@@ -63,8 +72,10 @@ impl GpuVolume {
                 ("counts", self.counts.as_entire_binding()),
                 ("blurred", self.blurred.as_entire_binding()),
             ];
-            splats.push((self.splat.bind_used(gpu, &resources)?, layer.n_vertices));
-            pushes.push((self.push.bind_used(gpu, &resources)?, layer.n_vertices));
+            // The last group of guides may not be full.
+            let n_threads = layer.n_vertices.next_multiple_of((layer.params.per_guide * layer.params.lanes).max(1));
+            splats.push((self.splat.bind_used(gpu, &resources)?, n_threads));
+            pushes.push((self.push.bind_used(gpu, &resources)?, n_threads));
             if blur.is_none() {
                 blur = Some(self.blur.bind_used(gpu, &resources)?);
             }

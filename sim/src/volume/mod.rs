@@ -3,8 +3,8 @@
 //!
 //! Hair that touches hair neither passes through it nor slides along it freely. Strand against strand is a million pairs;
 //! a grid asks only how crowded a place is (Bertails et al. 2005, McAdams et al. 2009, and the course on real-time hair
-//! of SIGGRAPH 2010). Before the steps of a frame every guide vertex is counted into eight cells, the counts are
-//! blurred, and
+//! of SIGGRAPH 2010). Before the steps of a frame every guide vertex is counted into eight cells, for as much hair as its
+//! guide stands for (hairs.rs), the counts are blurred, and
 //!
 //! - a vertex that is more crowded than it rests is driven down the gradient of the density, by as much more as it is
 //!   crowded;
@@ -21,9 +21,10 @@
 //! **The same every time.** Counts are whole numbers, added in any order to the same sum.
 
 mod gpu;
+mod hairs;
 
 use glam::{IVec3, Vec3, Vec4, Vec4Swizzles};
-use lorelei_core::simulation::{SimulationSettings, Volume};
+use lorelei_core::simulation::{Moved, SimulationSettings, Volume};
 
 use crate::bounded;
 use crate::pose::{Pose, rotate};
@@ -31,6 +32,7 @@ use crate::rest::Rest;
 use crate::rod::N_PINNED;
 
 pub use gpu::{GpuVolume, VolumeLayer};
+use hairs::shares_of;
 
 /// Counts of a centimetre of hair.
 const SCALE: f32 = 4096.0;
@@ -116,8 +118,14 @@ impl VolumeGrid {
         let n = n.min(glam::UVec3::splat(n_longest + 1)).to_array();
         let n_cells = n.iter().product::<u32>() as usize;
         let (counts, field) = (vec![[0; 4]; n_cells], vec![Vec4::ZERO; n_cells]);
-        let mut grid =
-            Self { min: low, cell, n, crowds: rests.iter().map(|rest| hair_of(rest)).collect(), counts, field };
+        let mut grid = Self {
+            min: low,
+            cell,
+            n,
+            crowds: rests.iter().map(|rest| hair_of(rest, settings.moved)).collect(),
+            counts,
+            field,
+        };
         let at_rest = grid.params(Pose::IDENTITY, settings, [1, 2], [0.0; 2]);
         for (layer_idx, rest) in rests.iter().enumerate() {
             // At rest there are places and no velocities.
@@ -135,7 +143,7 @@ impl VolumeGrid {
 
     /// Whether other settings need another grid.
     pub fn is_other(a: &SimulationSettings, b: &SimulationSettings) -> bool {
-        a.volume != b.volume || a.volume_cells != b.volume_cells
+        a.volume != b.volume || a.moved != b.moved || a.volume_cells != b.volume_cells
     }
 
     /// Numbers of a frame that takes so long; `per_guide`: vertices of a guide of the
@@ -281,8 +289,12 @@ impl VolumeGrid {
     }
 }
 
-/// Half of the edges at every vertex.
-fn hair_of(rest: &Rest) -> Vec<Crowd> {
+/// Half of the edges at every vertex, of as many hairs as the guide stands for; a strand stands for itself.
+fn hair_of(rest: &Rest, moved: Moved) -> Vec<Crowd> {
+    let shares = match moved {
+        Moved::Guides | Moved::Mesh | Moved::Rope => shares_of(rest),
+        Moved::Strands => vec![1.0; rest.n_guides()],
+    };
     let n = rest.n_vertices as usize;
     let edge = |a: usize, b: usize| 0.5 * rest.vertices[a].xyz().distance(rest.vertices[b].xyz());
     (0..rest.vertices.len())
@@ -290,7 +302,7 @@ fn hair_of(rest: &Rest) -> Vec<Crowd> {
             let below = if idx % n > 0 { edge(idx - 1, idx) } else { 0.0 };
             let above = if idx % n + 1 < n { edge(idx, idx + 1) } else { 0.0 };
             // Whoever asks for a metre of hair a vertex has broken numbers.
-            Crowd { hair: (below + above).min(100.0), rest_density: 0.0 }
+            Crowd { hair: (shares[idx / n] * (below + above)).min(100.0), rest_density: 0.0 }
         })
         .collect()
 }

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::Motion;
-use lorelei_core::simulation::{SimulationSettings, Solver, Volume};
+use lorelei_core::simulation::{Moved, SimulationSettings, Solver, Volume};
 use lorelei_sim::CpuSolver;
 use lorelei_sim::laws::scenes::{PIVOT, ball_field, draped};
 use lorelei_sim::laws::{On, Under, rest};
@@ -107,4 +107,44 @@ fn the_same_frames_follow_from_the_same_state() {
         solver.positions(0).to_vec()
     };
     assert_eq!(frames(), frames());
+}
+
+/// Way that hair above the seam is pushed in a frame, cm: a brush with twice as many guides on its right is pressed flat.
+fn pushed_over_the_seam(moved: Moved) -> Vec3 {
+    let n = 8_u32;
+    let root = |x: f32, z: u32| Vec3::new(x, 0.0, 0.5 * z as f32);
+    let sparse = (0..12).flat_map(|i| (0..48).map(move |z| root(-0.5 - i as f32, z)));
+    let dense = (0..24).flat_map(|i| (0..48).map(move |z| root(0.25 + 0.5 * i as f32, z)));
+    let roots: Vec<Vec3> = sparse.chain(dense).collect();
+    let brush = |height: f32| -> Vec<Vec3> {
+        let guide = |&root: &Vec3| (0..n).map(move |k| root + height * k as f32 / (n - 1) as f32 * Vec3::Y);
+        roots.iter().flat_map(guide).collect()
+    };
+    let guides = GuideSet { n_vertices: n, positions: brush(6.0) };
+    let pressed = brush(3.0);
+    let after = |volume: Volume| {
+        let settings = SimulationSettings { volume, moved, volume_cells: 24, ..SimulationSettings::default() };
+        let mut solver = CpuSolver::new(&[&guides], None, &settings);
+        solver.set_state(0, &pressed, &pressed);
+        solver.advance(1.0 / 60.0);
+        solver.positions(0).to_vec()
+    };
+    let (without, with) = (after(Volume::Off), after(Volume::Density));
+    // Away from the other rims.
+    let is_over_seam = |idx: &usize| {
+        let place = pressed[*idx];
+        place.x.abs() < 2.0 && (6.0..18.0).contains(&place.z) && idx % n as usize >= 2
+    };
+    let ways: Vec<Vec3> =
+        (0..pressed.len()).filter(is_over_seam).map(|idx| with[idx].xyz() - without[idx].xyz()).collect();
+    ways.iter().sum::<Vec3>() / ways.len() as f32
+}
+
+#[test]
+fn guides_that_stand_twice_as_dense_on_one_side_push_evenly() {
+    // Every strand counts for itself: where there are more of them is more hair.
+    let (even, uneven) = (pushed_over_the_seam(Moved::Guides), pushed_over_the_seam(Moved::Strands));
+    println!("guides {even:?}, strands {uneven:?}");
+    assert!(uneven.x < -0.01, "nothing pushes sideways: the test shows nothing, {uneven}");
+    assert!(even.x.abs() < 0.25 * uneven.x.abs(), "guides {even}, strands {uneven}");
 }
