@@ -8,9 +8,11 @@ use std::time::Instant;
 
 use lorelei_core::collider::Collider;
 use lorelei_core::look::Choice;
+use lorelei_core::simulation::Quality;
 use serde_json::json;
 
 use super::Studio;
+use super::desk::Desk;
 
 /// Writes the state whenever it differs from what was written last.
 pub struct StateReport {
@@ -173,7 +175,23 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     let place = |p: glam::Vec3| p.to_array();
     state["held"] = json!(report.held.map(|held| [place(held.at), place(held.hand)]));
     state["timeline"] = super::timeline::report(desk);
+    state["air"] = air(desk);
     state
+}
+
+/// What moves hair besides the head, and how exactly.
+fn air(desk: &Desk) -> serde_json::Value {
+    let simulation = &desk.document.groom.simulation;
+    let sources = simulation.sources.iter().map(|source| {
+        json!({"place": source.place.to_array(), "direction": source.direction.to_array(), "speed": source.speed})
+    });
+    json!({
+        "quality": Quality::of(simulation).map(|quality| quality.info().name),
+        "bend_length": simulation.bend_length,
+        "wind": simulation.wind.info().name,
+        "is_read": desk.report.air.is_some(),
+        "sources": sources.collect::<Vec<_>>(),
+    })
 }
 
 /// What is kept of what was done.

@@ -185,6 +185,7 @@ pub fn report(desk: &Desk) -> serde_json::Value {
         "motion": format!("{:?}", movement.motion),
         "range": [movement.start, movement.end],
         "fps": movement.fps,
+        "node": movement.track.as_ref().map(|track| track.name.as_str()),
     })
 }
 

@@ -154,7 +154,9 @@ fn arrows(painter: &Painter, projection: Projection, air: &AirGrid, space: &Spac
         let way = v * (longest / fastest.max(speed));
         let ends = (projection.point(at - 0.5 * way), projection.point(at + 0.5 * way));
         if let (Some(from), Some(to)) = ends {
-            arrow(painter, from, to, 1.3, colour_of(speed, fastest).gamma_multiply(0.9));
+            // A shade beneath and some white: slow air is dark, and so may be what is behind it.
+            arrow(painter, from, to, 2.8, Color32::from_black_alpha(90));
+            arrow(painter, from, to, 1.4, colour_of(speed, fastest).lerp_to_gamma(Color32::WHITE, 0.3));
         }
     }
 }
@@ -181,7 +183,9 @@ fn slice(
         let speed = velocity_at(air, at).map(Vec3::length);
         let seen = projection.point(at);
         is_seen.push(seen.is_some() && speed.is_some());
-        let colour = colour_of(speed.unwrap_or(0.0), fastest).gamma_multiply(0.62);
+        // Calm air lets the hair through.
+        let speed = speed.unwrap_or(0.0);
+        let colour = colour_of(speed, fastest).gamma_multiply(0.35 + 0.4 * (2.0 * speed / fastest).min(1.0));
         mesh.colored_vertex(seen.unwrap_or(Pos2::ZERO), colour);
     }
     for i in 0..N_SQUARES * N_SQUARES {

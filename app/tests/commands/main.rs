@@ -1,6 +1,9 @@
 //! The command line as a process: what it says, how it exits, and what it leaves when it is killed.
 
+#[path = "../window/animated.rs"]
+mod animated;
 mod hair_mesh;
+mod simulate;
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -5,9 +5,11 @@
 //! Skipped where Xvfb, xdotool or ImageMagick's import are absent. Screenshots stay in the folder that the
 //! test prints.
 
+mod animated;
 mod colliders;
 mod controls;
 mod modelling;
+mod movement;
 mod painting;
 mod pulling;
 mod room;

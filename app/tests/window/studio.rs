@@ -162,8 +162,12 @@ impl<'a> Studio<'a> {
                 return;
             }
             let is_above = y.is_some_and(|y| y < top);
+            // Half of the way at a time: how far a click goes is the window's own.
+            let way = y.map_or(0.0, |y| (y - f64::midpoint(top, bottom)).abs());
+            let n_clicks = (way / 160.0).clamp(1.0, 20.0) as u32;
             self.move_to((x, f64::midpoint(top, bottom)));
-            self.xdotool(&["click", if is_above { "4" } else { "5" }]);
+            let button = if is_above { "4" } else { "5" };
+            self.xdotool(&["click", "--repeat", &n_clicks.to_string(), "--delay", "20", button]);
             self.rest();
         }
         panic!("the panel does not scroll to {wanted}");

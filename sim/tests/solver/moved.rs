@@ -6,12 +6,13 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::binding::bind_layer;
 use lorelei_core::groom::{Layer, Source};
 use lorelei_core::hair_mesh::{HairMesh, HairMeshLayer};
+use lorelei_core::look::Choice;
 use lorelei_core::motion::Motion;
 use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use lorelei_sim::laws::scenes::{RADIUS, ball_field, draped};
-use lorelei_sim::{CpuSolver, GpuSolver};
+use lorelei_sim::{CpuSolver, GpuSolver, Pull};
 
 /// A strip of quads over the ball whose columns hang as the guides of [`draped`] do.
 fn mesh() -> HairMesh {
@@ -176,4 +177,55 @@ fn put_back(moved: Moved, nearest: f32) {
     again.set_state(0, &curves, &curves);
     let off = apart(cpu.positions(0), again.positions(0));
     assert!(off < nearest, "{moved:?}: {off} cm");
+}
+
+#[test]
+fn whatever_is_moved_comes_to_the_hand_that_holds_it() {
+    for &moved in Moved::ALL {
+        let (layer, field) = (layer(), ball_field());
+        let hair = [MovedHair::new(moved, &layer, &bind_layer(&layer, None), Some(&field))];
+        let curves = &hair[0].curves;
+        let settings = SimulationSettings { moved, ..SimulationSettings::default() };
+        let gpu = Gpu::headless().unwrap();
+        let library = ShaderLibrary::embedded();
+        let mut on_gpu = GpuSolver::of_hair(&gpu, &library, &hair, Some(&field), &settings).unwrap();
+        let mut on_cpu = CpuSolver::of_hair(&hair, Some(&field), &settings);
+        // Two thirds along the curve that rests the farthest to the right.
+        let n = curves.n_vertices as usize;
+        let x = |g: usize| curves.positions[g * n + 2 * n / 3].x;
+        let rightmost = (0..curves.n_guides()).max_by(|a, b| x(*a).total_cmp(&x(*b))).unwrap();
+        let vertex_idx = rightmost * n + 2 * n / 3;
+        let held = Pull::of_vertex(curves, vertex_idx).unwrap();
+        let hand = held.rest + Vec3::new(2.0, 2.0, 0.0);
+        let shown = on_cpu.positions(0).to_vec();
+        let (mut stretched, mut farthest) = (0.0_f32, 0.0_f32);
+        for frame in 0..60 {
+            let pull = Some(Pull { hand, radius: 4.0, ..held });
+            on_cpu.set_pull(pull);
+            on_cpu.advance(1.0 / 60.0);
+            stretched = stretched.max(on_cpu.measure().length_error_max);
+            on_gpu.set_pull(pull);
+            let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            on_gpu.advance(&mut encoder, 1.0 / 60.0).unwrap();
+            gpu.queue.submit([encoder.finish()]);
+            if frame < 6 {
+                let twin = on_gpu.read_positions(0).unwrap();
+                let apart = on_cpu.positions(0).iter().zip(&twin).map(|(a, b)| a.distance(*b));
+                farthest = apart.fold(farthest, f32::max);
+            }
+        }
+        let away = on_gpu.read_curves(0).unwrap()[vertex_idx].xyz().distance(hand);
+        let moved_far = on_cpu.positions(0).iter().zip(&shown).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+        let name = moved.info().name;
+        println!(
+            "{name}: {away} cm from the hand, stretched {stretched}, moved {moved_far}, twins {farthest} cm apart"
+        );
+        // The ropes of this mesh are short: they bend less.
+        assert!(away < 1.2, "{name}: {away} cm from the hand");
+        assert!(moved_far > 1.5 && moved_far < 20.0, "{name}: what is drawn moved by {moved_far} cm");
+        assert!(stretched < 1e-4, "{name}: {stretched}");
+        assert!(farthest < 1e-3, "{name}: twins are {farthest} cm apart");
+        let all = on_gpu.read_positions(0).unwrap();
+        assert!(all.iter().all(|p| p.is_finite()) && on_cpu.measure().n_not_finite == 0, "{name}");
+    }
 }

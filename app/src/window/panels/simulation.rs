@@ -67,7 +67,9 @@ fn kinds(ui: &mut Ui, settings: &mut SimulationSettings) -> Option<widgets::Chan
     ui.horizontal_wrapped(|ui| {
         for &kind in HairKind::ALL {
             let info = kind.info();
-            if ui.small_button(info.label).on_hover_text(info.help).clicked() {
+            let button = ui.small_button(info.label).on_hover_text(info.help);
+            mark(ui.ctx(), || format!("kind {}", info.name), button.rect);
+            if button.clicked() {
                 settings.take(kind);
                 change = Some(widgets::Change::once(format!("{} hair moves", info.label)));
             }
@@ -88,6 +90,7 @@ fn animation(ui: &mut Ui, desk: &mut Desk) {
         }
         let Some(track) = desk.document.groom.movement.track.clone() else { return };
         let remove = ui.button("Remove").on_hover_text("The head stays where the preset movement has it");
+        mark(ui.ctx(), || "remove animation".to_owned(), remove.rect);
         if remove.clicked() {
             let movement = Movement { track: None, ..desk.document.groom.movement.clone() };
             desk.set_movement("Remove the animation", movement, Merge::New);
@@ -97,13 +100,17 @@ fn animation(ui: &mut Ui, desk: &mut Desk) {
     let mut chosen = None;
     if desk.takes.tracks.len() > 1 {
         let now = desk.document.groom.movement.track.as_ref().map_or("", |track| track.name.as_str());
-        let combo = egui::ComboBox::from_id_salt("node").selected_text(now).show_ui(ui, |ui| {
+        let shown = if now.is_empty() { "Choose a node" } else { now };
+        let combo = egui::ComboBox::from_id_salt("node").selected_text(shown).show_ui(ui, |ui| {
             for track in &desk.takes.tracks {
-                if ui.selectable_label(track.name == now, &track.name).clicked() {
+                let row = ui.selectable_label(track.name == now, &track.name);
+                mark(ui.ctx(), || format!("choice node={}", track.name), row.rect);
+                if row.clicked() {
                     chosen = Some(track.clone());
                 }
             }
         });
+        mark(ui.ctx(), || "slot node".to_owned(), combo.response.rect);
         combo.response.on_hover_text("The node of the file whose movement it is");
     }
     if let Some(track) = chosen {

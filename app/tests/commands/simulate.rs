@@ -1,0 +1,78 @@
+//! `lorelei simulate` with what moves the head and the air: an animation's node, a source of wind.
+
+use std::path::Path;
+
+use glam::Vec3;
+use lorelei_core::document;
+use lorelei_core::groom::{Groom, Layer, Source};
+use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::strands::Strands;
+use serde_json::Value;
+
+use super::animated::animated_glb;
+use super::{lorelei, text};
+
+/// Twelve guides that hang side by side.
+fn curtain() -> Groom {
+    let mut strands = Strands::default();
+    for i in 0..12 {
+        strands.push(&(0..10).map(|k| Vec3::new(i as f32 - 6.0, -1.5 * k as f32, 6.0)).collect::<Vec<_>>());
+    }
+    let layer = Layer { n_strands: 20, ..Layer::new("a", Source::Guides(strands.into())) };
+    Groom {
+        layers: vec![layer],
+        movement: Movement { motion: Motion::None, ..Movement::default() },
+        ..Groom::default()
+    }
+}
+
+fn simulated(folder: &Path, arguments: &[&str]) -> Value {
+    let common = ["simulate", "a.lorelei", "--on", "cpu", "--fps", "30", "--rest", "0", "--json"];
+    let done = lorelei(folder, &[&common, arguments].concat());
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    serde_json::from_slice(&done.stdout).unwrap()
+}
+
+/// The most kinetic energy of any frame, erg/g.
+fn most_energy(json: &Value) -> f64 {
+    let frames = json["kinetic_energy"].as_array().unwrap();
+    frames.iter().map(|frame| frame.as_array().map_or(frame, |pair| &pair[1]).as_f64().unwrap()).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_node_of_a_file_and_a_fan_move_hair_without_a_window() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    document::save(&curtain(), &folder.join("a.lorelei")).unwrap();
+    std::fs::write(folder.join("moves.glb"), animated_glb()).unwrap();
+
+    let still = simulated(folder, &["--seconds", "0.3"]);
+    assert!(most_energy(&still) < 1.0 && still["nan"] == 0, "{still}");
+
+    // As long as the animation is, by the node that is asked for: down and to the side are other ways for hair that hangs.
+    let by = |node: &str| simulated(folder, &["--animation", "moves.glb", "--node", node]);
+    let (head, hips) = (by("Head"), by("hips"));
+    for json in [&head, &hips] {
+        assert!((json["seconds"].as_f64().unwrap() - 0.5).abs() < 1e-6 && json["nan"] == 0, "{json}");
+        assert!(most_energy(json) > 100.0 && json["length_error_max"].as_f64().unwrap() < 1e-3, "{json}");
+    }
+    assert_ne!(head["kinetic_energy"], hips["kinetic_energy"]);
+    let unknown =
+        lorelei(folder, &["simulate", "a.lorelei", "--on", "cpu", "--animation", "moves.glb", "--node", "Tail"]);
+    assert_eq!(unknown.status.code(), Some(2));
+    let told = text(&unknown.stderr);
+    assert!(told.contains("Head") && told.contains("Hips"), "{told}");
+
+    // A fan beside it: as if nothing stood in its way, and in a grid of air that the hair slows.
+    let fan = ["--seconds", "0.3", "--wind-source", "fan,-16,-8,6,speed=900,radius=6,to=0/-8/6"];
+    let free = simulated(folder, &[&fan[..], &["--set", "wind=uniform"]].concat());
+    let grid = ["--set", "wind=grid", "--set", "wind.resolution=16"];
+    let slowed = simulated(folder, &[&fan[..], &grid].concat());
+    let through = simulated(folder, &[&fan[..], &grid, &["--set", "wind.hair_drag=0"]].concat());
+    let energies = [&still, &slowed, &through, &free].map(most_energy);
+    println!("still, slowed, through, free: {energies:?}");
+    assert!(energies[3] > 20.0 && energies.is_sorted_by(|a, b| 3.0 * a < *b), "{energies:?}");
+    for json in [&slowed, &through, &free] {
+        assert!(json["nan"] == 0 && json["length_error_max"].as_f64().unwrap() < 1e-3, "{json}");
+    }
+}
