@@ -114,7 +114,7 @@ fn a_rope_takes_its_guides_along_and_keeps_their_distances_from_it() {
         apart = (0..n).map(|k| (width(&x, k) - width(&at_rest, k)).abs()).fold(apart, f32::max);
         n_looks += 1;
     });
-    assert_eq!(hair.curves.n_guides(), 4, "four bundles that share no vertex");
+    assert_eq!(hair.curves.n_guides(), 2, "bundles that lie against each other are one");
     assert!(farthest < 1e-3, "twins are {farthest} cm apart");
     assert!(moved_far > 2.0, "the hair was shaken by {moved_far} cm only");
     assert!(apart < 0.05, "guides of a rope came {apart} cm nearer or farther");
