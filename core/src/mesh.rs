@@ -31,6 +31,26 @@ pub struct FaceGroup {
 }
 
 impl TriMesh {
+    /// A ball about the origin, its texture seen from above: the simplest head, for tests and measurements.
+    pub fn ball(radius: f32) -> Self {
+        const N: u32 = 32;
+        let mut mesh = Self::default();
+        for i in 0..=N {
+            for j in 0..N {
+                let turn = |k: u32| k as f32 / N as f32 * std::f32::consts::TAU;
+                let (polar, around) = (0.5 * turn(i), turn(j));
+                let p = Vec3::new(polar.sin() * around.sin(), polar.cos(), polar.sin() * around.cos());
+                mesh.positions.push(radius * p);
+                mesh.uvs.push([0.5 + 0.5 * p.x, 0.5 + 0.5 * p.z]);
+                if i < N {
+                    let (a, b) = (i * N + j, i * N + (j + 1) % N);
+                    mesh.triangles.extend([[a, a + N, b], [b, a + N, b + N]]);
+                }
+            }
+        }
+        mesh
+    }
+
     pub fn corners(&self, triangle_idx: usize) -> [Vec3; 3] {
         self.triangles[triangle_idx].map(|v| self.positions[v as usize])
     }

@@ -18,22 +18,7 @@ use lorelei_core::style::{StyleKind, StyleOp};
 use super::*;
 
 fn ball(radius: f32) -> Head {
-    let n = 32_u32;
-    let mut mesh = TriMesh::default();
-    for i in 0..=n {
-        for j in 0..n {
-            let (polar, around) =
-                (i as f32 / n as f32 * std::f32::consts::PI, j as f32 / n as f32 * std::f32::consts::TAU);
-            let p = Vec3::new(polar.sin() * around.sin(), polar.cos(), polar.sin() * around.cos());
-            mesh.positions.push(radius * p);
-            mesh.uvs.push([0.5 + 0.5 * p.x, 0.5 + 0.5 * p.z]);
-            if i < n {
-                let (a, b) = (i * n + j, i * n + (j + 1) % n);
-                mesh.triangles.extend([[a, a + n, b], [b, a + n, b + n]]);
-            }
-        }
-    }
-    Head::new("ball", mesh)
+    Head::new("ball", TriMesh::ball(radius))
 }
 
 /// A cap of quads on a ball, its layers falling to the sides and partly into the ball.

@@ -14,22 +14,7 @@ use lorelei_sim::CpuSolver;
 use lorelei_sim::laws::scenes::{RADIUS, ball_field, draped};
 
 fn ball() -> Head {
-    let n = 32_u32;
-    let mut mesh = TriMesh::default();
-    for i in 0..=n {
-        for j in 0..n {
-            let (polar, around) =
-                (i as f32 / n as f32 * std::f32::consts::PI, j as f32 / n as f32 * std::f32::consts::TAU);
-            let p = Vec3::new(polar.sin() * around.sin(), polar.cos(), polar.sin() * around.cos());
-            mesh.positions.push(RADIUS * p);
-            mesh.uvs.push([0.5 + 0.5 * p.x, 0.5 + 0.5 * p.z]);
-            if i < n {
-                let (a, b) = (i * n + j, i * n + (j + 1) % n);
-                mesh.triangles.extend([[a, a + n, b], [b, a + n, b + n]]);
-            }
-        }
-    }
-    Head::new("ball", mesh)
+    Head::new("ball", TriMesh::ball(RADIUS))
 }
 
 /// A head of few guides, so that strands between them are far from each.
