@@ -40,16 +40,25 @@ pub struct CpuSolver {
 impl CpuSolver {
     /// At rest at the identity pose.
     pub fn new(guides: &[&GuideSet], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
+        Self::of_hair(&MovedHair::of_guides(guides), field, settings)
+    }
+
+    /// The same of hair that is tied, and of what follows what moves.
+    pub fn of_hair(hair: &[MovedHair], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let pose = Pose::IDENTITY;
-        let layers: Vec<SimulatedLayer> =
-            guides.iter().map(|guides| SimulatedLayer::new(guides, obstacles, settings, pose)).collect();
+        let model = |hair: &MovedHair| SimulatedLayer::new(&hair.curves, &hair.ties, obstacles, settings, pose);
+        let layers: Vec<SimulatedLayer> = hair.iter().map(model).collect();
+        let followed = |hair: &MovedHair| match &hair.follow {
+            Follow::Spline(spline) => Some((Following::new(spline, &hair.curves), Vec::new())),
+            Follow::Guides | Follow::Strands => None,
+        };
         let volume = volume_of(&layers, settings);
-        Self {
+        let mut solver = Self {
             hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest)),
             air: CpuAir::default(),
-            followed: vec![None; layers.len()],
+            followed: hair.iter().map(followed).collect(),
             layers,
             field: field.cloned(),
             capsules,
@@ -58,20 +67,8 @@ impl CpuSolver {
             clock: Clock::new(Pose::IDENTITY),
             pose,
             pull: None,
-        }
-    }
-
-    /// The same with each layer's ties, and with what follows what moves.
-    pub fn of_hair(hair: &[MovedHair], field: Option<&DistanceField>, settings: &SimulationSettings) -> Self {
-        let curves: Vec<&GuideSet> = hair.iter().map(|hair| &hair.curves).collect();
-        let mut solver = Self::new(&curves, field, settings);
-        for (layer_idx, hair) in hair.iter().enumerate() {
-            solver.set_ties(layer_idx, &hair.ties);
-            if let Follow::Spline(spline) = &hair.follow {
-                solver.followed[layer_idx] = Some((Following::new(spline, &hair.curves), Vec::new()));
-            }
-        }
-        solver.follow(Pose::IDENTITY);
+        };
+        solver.follow(pose);
         solver
     }
 

@@ -187,16 +187,39 @@ impl GpuSolver {
         field: Option<&DistanceField>,
         settings: &SimulationSettings,
     ) -> Result<Self, ShaderError> {
+        Self::of_hair(gpu, library, &MovedHair::of_guides(guides), field, settings)
+    }
+
+    /// The same of hair that is tied, and of what follows what moves.
+    pub fn of_hair(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        hair: &[MovedHair],
+        field: Option<&DistanceField>,
+        settings: &SimulationSettings,
+    ) -> Result<Self, ShaderError> {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
-        let model = |guides: &&GuideSet| SimulatedLayer::new(guides, obstacles, settings, Pose::IDENTITY);
-        let layers: Vec<Layer> = guides.iter().map(|guides| Layer::new(gpu, model(guides))).collect();
+        let mut layers = Vec::with_capacity(hair.len());
+        let mut follow = None;
+        for hair in hair {
+            let model = SimulatedLayer::new(&hair.curves, &hair.ties, obstacles, settings, Pose::IDENTITY);
+            let mut layer = Layer::new(gpu, model);
+            if let Follow::Spline(spline) = &hair.follow {
+                if follow.is_none() {
+                    follow = Some(library.kernel(gpu, "sim_follow", "follow_curves", &[], &[])?);
+                }
+                let following = Following::new(spline, &hair.curves);
+                layer.followed = Some(Followed::new(gpu, following, &layer.model.shown));
+            }
+            layers.push(layer);
+        }
         let kernel = kernel_for(gpu, library, settings)?;
         let volume = volume_of(gpu, library, &layers, settings)?;
         let faces = field.map_or_else(Vec::new, faces_of);
         Ok(Self {
             kernel,
-            follow: None,
+            follow,
             hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest)),
             air: GpuAir::default(),
             layers,
@@ -211,30 +234,6 @@ impl GpuSolver {
             gpu: gpu.clone(),
             library: library.clone(),
         })
-    }
-
-    /// The same with each layer's ties, and with what follows what moves.
-    pub fn of_hair(
-        gpu: &Gpu,
-        library: &ShaderLibrary,
-        hair: &[MovedHair],
-        field: Option<&DistanceField>,
-        settings: &SimulationSettings,
-    ) -> Result<Self, ShaderError> {
-        let curves: Vec<&GuideSet> = hair.iter().map(|hair| &hair.curves).collect();
-        let mut solver = Self::new(gpu, library, &curves, field, settings)?;
-        for (layer_idx, hair) in hair.iter().enumerate() {
-            solver.set_ties(layer_idx, &hair.ties);
-            if let Follow::Spline(spline) = &hair.follow {
-                if solver.follow.is_none() {
-                    solver.follow = Some(library.kernel(gpu, "sim_follow", "follow_curves", &[], &[])?);
-                }
-                let layer = &mut solver.layers[layer_idx];
-                let following = Following::new(spline, &hair.curves);
-                layer.followed = Some(Followed::new(gpu, following, &layer.model.shown));
-            }
-        }
-        Ok(solver)
     }
 
     /// The movement goes on with other settings; under another law it starts again from rest. Fails where a shader that

@@ -34,9 +34,15 @@ enum Law {
 }
 
 impl SimulatedLayer {
-    /// At rest on a head at `pose`.
-    pub fn new(guides: &GuideSet, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
-        let rest = Rest::new(guides, obstacles);
+    /// At rest on a head at `pose`, tied as [`Rest::ties`] says.
+    pub fn new(
+        guides: &GuideSet,
+        ties: &[f32],
+        obstacles: Obstacles<'_>,
+        settings: &SimulationSettings,
+        pose: Pose,
+    ) -> Self {
+        let rest = Rest { ties: ties.to_vec(), ..Rest::new(guides, obstacles) };
         let law = Law::new(&rest, settings, pose);
         let hold = Hold::new(settings);
         let mut layer = Self { guides: guides.clone(), rest, hold, law, shown: Vec::new() };
@@ -107,9 +113,7 @@ impl SimulatedLayer {
 
     /// The same guides at rest under another law.
     pub fn under(&self, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
-        let mut layer = Self::new(&self.guides, obstacles, settings, pose);
-        layer.set_ties(&self.rest.ties, settings, pose);
-        layer
+        Self::new(&self.guides, &self.rest.ties, obstacles, settings, pose)
     }
 
     /// Back to rest on a head at `pose`.

@@ -23,7 +23,6 @@ pub type LayerHair = (Layer, Arc<LayerBinding>);
 pub struct Gear<'s> {
     pub gpu: &'s Gpu,
     pub library: &'s ShaderLibrary,
-    pub layers: &'s [LayerHair],
     pub field: Option<&'s Arc<DistanceField>>,
     /// Nobody looks on: a frame may take as long as it takes.
     pub waits: bool,
@@ -83,6 +82,7 @@ impl Maker {
     pub fn make(
         &mut self,
         gear: &Gear<'_>,
+        layers: &[LayerHair],
         moved: Moved,
         settings: &SimulationSettings,
     ) -> Result<Option<GpuSolver>, ShaderError> {
@@ -108,14 +108,14 @@ impl Maker {
             let (gpu, library, settings) = (gear.gpu.clone(), gear.library.clone(), settings.clone());
             let field = gear.field.cloned();
             let known = self.hair.clone();
-            let layers = gear.layers.to_vec();
+            let n_vertices: usize = layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
+            let layers = layers.to_vec();
             let make = move || {
                 let of_layer = |(layer, binding): &LayerHair| MovedHair::new(moved, layer, binding, field.as_deref());
                 let hair = known.unwrap_or_else(|| Arc::new(layers.iter().map(of_layer).collect()));
                 let solver = GpuSolver::of_hair(&gpu, &library, &hair, field.as_deref(), &settings)?;
                 Ok((hair, solver))
             };
-            let n_vertices: usize = gear.layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
             if gear.waits || n_vertices <= QUICK {
                 let (hair, solver) = make()?;
                 self.hair = Some(hair);
@@ -134,6 +134,9 @@ impl Maker {
 
 /// What is moved on a device: what is asked for where its solver has room, else guides; and what to say then.
 pub fn moved_on(gpu: &Gpu, moved: Moved, layers: &[LayerHair]) -> (Moved, Option<TooMuchHair>) {
+    if moved != Moved::Strands {
+        return (moved, None);
+    }
     let too_much =
         layers.iter().find_map(|(layer, binding)| check_room(gpu, &layer.name, n_moved(moved, layer, binding)).err());
     (if too_much.is_some() { Moved::Guides } else { moved }, too_much)
@@ -162,25 +165,28 @@ mod tests {
         let layers = [(layer.clone(), Arc::new(bind_layer(&layer, None)))];
         assert!(n_moved(Moved::Strands, &layers[0].0, &layers[0].1) > QUICK);
         let (gpu, library) = (Gpu::headless().unwrap(), ShaderLibrary::embedded());
-        let gear = Gear { gpu: &gpu, library: &library, layers: &layers, field: None, waits: false };
+        let gear = Gear { gpu: &gpu, library: &library, field: None, waits: false };
         let settings = SimulationSettings { moved: Moved::Strands, ..SimulationSettings::default() };
         let mut maker = Maker::default();
         let wait = |maker: &mut Maker| loop {
-            if let Some(solver) = maker.make(&gear, Moved::Strands, &settings).unwrap() {
+            if let Some(solver) = maker.make(&gear, &layers, Moved::Strands, &settings).unwrap() {
                 return solver;
             }
             assert!(maker.is_making());
             std::thread::sleep(std::time::Duration::from_millis(5));
         };
-        assert!(maker.make(&gear, Moved::Strands, &settings).unwrap().is_none(), "it takes its time elsewhere");
+        assert!(
+            maker.make(&gear, &layers, Moved::Strands, &settings).unwrap().is_none(),
+            "it takes its time elsewhere"
+        );
         maker.forget();
         let solver = wait(&mut maker);
         assert!(!maker.is_making() && maker.hair()[0].curves.n_guides() == 1100);
         // What is kept is there at once, and guides always are.
         maker.put_back(solver);
-        assert!(maker.make(&gear, Moved::Strands, &settings).unwrap().is_some());
+        assert!(maker.make(&gear, &layers, Moved::Strands, &settings).unwrap().is_some());
         maker.forget();
-        assert!(maker.make(&gear, Moved::Guides, &settings).unwrap().is_some());
+        assert!(maker.make(&gear, &layers, Moved::Guides, &settings).unwrap().is_some());
         assert_eq!(maker.hair()[0].curves.n_guides(), 40);
     }
 }

@@ -36,7 +36,7 @@ use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 
 use display::Display;
 use hold::{Hand, Sight};
-use maker::{Gear, LayerHair};
+use maker::Gear;
 use pacer::Detail;
 use player::{Player, Score};
 use report::{FrameReport, Timeline};
@@ -175,11 +175,15 @@ impl Stage {
         let warnings = result?;
         self.look.clone_from(&groom.look);
         self.lights.clone_from(&groom.lights);
-        let bound = self.bound().clone();
-        let layers = layers_of(&bound);
+        let layers = self.bound().layers().map(|(layer, binding)| (layer.clone(), Arc::clone(binding))).collect();
         let score = Score { course: Course::of(groom), movement: groom.movement.bounded() };
-        let too_much =
-            self.player.set_score(&gear(&self.gpu, &self.library, self.display.as_ref(), &layers, &bound), score)?;
+        let gear = Gear {
+            gpu: &self.gpu,
+            library: &self.library,
+            field: self.renderer.mirror().field(),
+            waits: self.display.is_none(),
+        };
+        let too_much = self.player.set_score(&gear, layers, score)?;
         self.n_moves += 1;
         let too_much = too_much.map(|too_much| format!("Guides are moved instead of strands: {too_much}"));
         // Said once, not with every edit.
@@ -271,9 +275,12 @@ impl Stage {
         self.renderer.set_lights(&self.shown.lights(&self.lights));
         let mut encoder =
             self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("stage.frame") });
-        let bound = self.bound().clone();
-        let layers = layers_of(&bound);
-        let gear = gear(&self.gpu, &self.library, self.display.as_ref(), &layers, &bound);
+        let gear = Gear {
+            gpu: &self.gpu,
+            library: &self.library,
+            field: self.renderer.mirror().field(),
+            waits: self.display.is_none(),
+        };
         let sight = Sight { camera: *camera, aspect: size[0].max(1) as f32 / size[1].max(1) as f32 };
         if self.player.pass(&gear, playback, &sight, dt_secs, &mut encoder)? {
             self.n_moves += 1;
@@ -397,20 +404,6 @@ impl Stage {
         report.held = self.player.held();
         report.texture = self.display.as_ref().and_then(Display::texture).cloned();
     }
-}
-
-fn layers_of(bound: &Bound) -> Vec<LayerHair> {
-    bound.layers().map(|(layer, binding)| (layer.clone(), Arc::clone(binding))).collect()
-}
-
-fn gear<'s>(
-    gpu: &'s Gpu,
-    library: &'s ShaderLibrary,
-    display: Option<&Display>,
-    layers: &'s [LayerHair],
-    bound: &'s Bound,
-) -> Gear<'s> {
-    Gear { gpu, library, layers, field: bound.field(), waits: display.is_none() }
 }
 
 /// Below the neck's joint, a bust is no part of the portrait, centimetres.

@@ -130,15 +130,20 @@ impl Player {
 
     /// Take over what changed in the groom. What moves goes on where its guides are as many as before. Returns why something
     /// else is moved than was asked for.
-    pub fn set_score(&mut self, gear: &Gear<'_>, score: Score) -> Result<Option<TooMuchHair>, StageError> {
+    pub fn set_score(
+        &mut self,
+        gear: &Gear<'_>,
+        layers: Vec<LayerHair>,
+        score: Score,
+    ) -> Result<Option<TooMuchHair>, StageError> {
         let has_same_frames = score.course == self.score.course && score.movement.moves_like(&self.score.movement);
         let is_restarted = !score.movement.moves_like(&self.score.movement);
         self.score = score;
-        let (moved, too_much) = moved_on(gear.gpu, self.score.course.settings.moved, gear.layers);
+        let (moved, too_much) = moved_on(gear.gpu, self.score.course.settings.moved, &layers);
         let is_same_moved = std::mem::replace(&mut self.moved, moved) == moved;
-        let before = std::mem::replace(&mut self.layers, gear.layers.to_vec());
+        let before = std::mem::replace(&mut self.layers, layers);
         let all_alike = |is_alike: &dyn Fn(&LayerHair, &LayerHair) -> bool| {
-            before.len() == gear.layers.len() && before.iter().zip(gear.layers).all(|(a, b)| is_alike(a, b))
+            before.len() == self.layers.len() && before.iter().zip(&self.layers).all(|(a, b)| is_alike(a, b))
         };
         let has_same_curves = is_same_moved && all_alike(&|a, b| moves_alike(moved, a, b));
         let has_same_ties = all_alike(&|(_, a), (_, b)| Arc::ptr_eq(a, b) || a.guide_ties() == b.guide_ties());
@@ -168,9 +173,9 @@ impl Player {
                 self.wanted = self.maker.is_making().then_some(self.at);
             }
         } else if !has_same_ties {
-            self.maker.set_ties(gear.layers);
+            self.maker.set_ties(&self.layers);
             if let Some(moving) = &mut self.moving {
-                for (layer_idx, (_, binding)) in gear.layers.iter().enumerate() {
+                for (layer_idx, (_, binding)) in self.layers.iter().enumerate() {
                     moving.solver.set_ties(layer_idx, &binding.guide_ties());
                 }
             }
@@ -337,7 +342,7 @@ impl Player {
             return Ok(());
         }
         self.stand_at_shot(gear)?;
-        if self.moving.is_none() && !gear.layers.is_empty() {
+        if self.moving.is_none() && !self.layers.is_empty() {
             self.moving = self.make_solver(gear, &self.pose_at(self.at))?;
             self.shot.take_if(|_| self.moving.is_some());
         }
@@ -426,7 +431,7 @@ impl Player {
     /// A solver at a frame from which `to` can be reached: the one that is there, one from a kept state, or one at rest at
     /// the first frame.
     fn stand_before(&mut self, gear: &Gear<'_>, to: u32, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
-        if gear.layers.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
+        if self.layers.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
             return Ok(());
         }
         self.is_by_hand = false;
@@ -450,7 +455,7 @@ impl Player {
     /// A solver at rest; `None` while it is still being made.
     fn make_solver(&mut self, gear: &Gear<'_>, world_from_head: &Affine3A) -> Result<Option<Moving>, ShaderError> {
         let settings = self.score.course.settings.clone();
-        let Some(mut solver) = self.maker.make(gear, self.moved, &settings)? else { return Ok(None) };
+        let Some(mut solver) = self.maker.make(gear, &self.layers, self.moved, &settings)? else { return Ok(None) };
         solver.set_head_pose(world_from_head);
         solver.reset();
         Ok(Some(Moving { solver, settings, front: self.at, warm_up_left: 0 }))

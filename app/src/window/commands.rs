@@ -167,7 +167,7 @@ pub const COMMANDS: &[Row] = &[
     row(Command::OpenFrames, "Movement", "Open frames\u{2026}", "Frames that were simulated before, of this groom and this movement", &[]),
     row(Command::LoadAnimation, "Movement", "Load an animation\u{2026}", "A node's movement from a .glb or .gltf moves head and body", &[]),
     row(Command::SetRest, "Movement", "Set current as rest", "The hair as it is now is where it rests", &[]),
-    row(Command::BakeGuides, "Movement", "Bake to guides", "The selected layer as it is now, as a layer of guides", &[]),
+    row(Command::BakeGuides, "Movement", "Bake to guides", "The selected layer as it is now, as a layer of guides; of strands, where every strand moves", &[]),
     row(Command::MotionNone, "Movement", "Head still", "No preset movement", &[]),
     row(Command::MotionTurn, "Movement", "Head turns", "Looks over one shoulder, then the other", &[]),
     row(Command::MotionNod, "Movement", "Head nods", "Yes", &[]),

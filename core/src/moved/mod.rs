@@ -89,6 +89,11 @@ impl MovedHair {
         }
     }
 
+    /// Guides by themselves, untied.
+    pub fn of_guides(guides: &[&GuideSet]) -> Vec<Self> {
+        guides.iter().map(|guides| Self { curves: GuideSet::clone(guides), ..Self::default() }).collect()
+    }
+
     fn of_hair_mesh(mesh: &HairMesh, binding: &LayerBinding, is_rope: bool) -> Self {
         let chains = mesh.chains();
         // A mesh of roots alone has no edge to move; and guides that were bound before the mesh changed are of another.
