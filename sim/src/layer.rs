@@ -14,7 +14,8 @@ use crate::lanes::Lanes;
 use crate::pose::Pose;
 use crate::pull::PullParams;
 use crate::rest::{Hold, Rest};
-use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodRest, RodVertex, step_rod};
+use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodVertex, step_rod};
+use crate::rod_rest::{self, RodRest};
 
 /// Guides, and how they move.
 #[derive(Debug, Clone)]
@@ -119,7 +120,7 @@ impl SimulatedLayer {
     /// Back to rest on a head at `pose`.
     pub fn reset(&mut self, pose: Pose) {
         match &mut self.law {
-            Law::Rods { rest, state, .. } => *state = rest.iter().map(|rest| rod::at_rest(rest, pose)).collect(),
+            Law::Rods { rest, state, .. } => *state = rest.iter().map(|rest| rod_rest::at_rest(rest, pose)).collect(),
             Law::Chains { state, .. } => {
                 *state = self.rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
             }
@@ -133,7 +134,7 @@ impl SimulatedLayer {
         match &mut self.law {
             Law::Rods { rest, state, .. } => {
                 let strands = state.chunks_mut(n).zip(rest.chunks(n)).zip(x.chunks(n).zip(prev.chunks(n)));
-                strands.for_each(|((s, rest), (x, prev))| rod::put(s, rest, x, prev));
+                strands.for_each(|((s, rest), (x, prev))| rod_rest::put(s, rest, x, prev));
             }
             Law::Chains { state, .. } => {
                 for (vertex, (x, prev)) in state.iter_mut().zip(x.iter().zip(prev)) {
@@ -303,9 +304,9 @@ impl Law {
                     .vertices
                     .par_chunks(n)
                     .zip(exposures.par_chunks(n))
-                    .flat_map_iter(|(places, exposures)| rod::rest_of(places, exposures, &params, is_weightless))
+                    .flat_map_iter(|(places, exposures)| rod_rest::rest_of(places, exposures, &params, is_weightless))
                     .collect();
-                let state = rest.iter().map(|rest| rod::at_rest(rest, pose)).collect();
+                let state = rest.iter().map(|rest| rod_rest::at_rest(rest, pose)).collect();
                 Self::Rods { params, is_weightless, rest, state }
             }
             Solver::Chains => {

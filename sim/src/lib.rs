@@ -1,7 +1,7 @@
 //! Strand dynamics: the CPU reference solver and the GPU solver, side by side.
 //!
 //! A strand moves by one of two laws: [`rod`], which `sim_rod.wgsl` follows function by function, and the references'
-//! [`chain`] (`sim_chain.wgsl`). [`layer`] keeps what a law needs, [`follow`]
+//! [`chain`] (`sim_chain.wgsl`). [`rod_rest`] makes a style ready for rods, [`layer`] keeps what a law needs, [`follow`]
 //! draws guides through a hair mesh's moved chains, [`clock`] cuts frames into steps of one length, [`contact`]
 //! keeps hair out of head and colliders, [`volume`] is what hair does to hair, [`pull`] a hand that holds some of it,
 //! [`air`] is the wind and [`wind`] its grid, and
@@ -23,6 +23,7 @@ pub mod pose;
 pub mod pull;
 pub mod rest;
 pub mod rod;
+pub mod rod_rest;
 pub mod state;
 pub mod volume;
 pub mod wind;
