@@ -40,6 +40,13 @@ struct Contacted {
     room: f32,
 }
 
+// What a vertex lies on, or is about to.
+struct Barrier {
+    normal: vec3<f32>,
+    push: f32,
+    goes: vec3<f32>,
+}
+
 struct Touch {
     push: f32,
     normal: vec3<f32>,
@@ -112,6 +119,25 @@ fn contact_collide(
     let along_surface = slid - dot(slid, touched.normal) * touched.normal;
     let hold_back = min(contact.friction * touched.push / max(length(along_surface), 1e-9), 1.0);
     return Contacted(pushed - hold_back * along_surface, prev + dot(slid, touched.normal) * touched.normal, 0.0);
+}
+
+// What a vertex is nearest to or deepest in that would go with the head from `prev` to `carried_prev`; its normal is known where
+// it is nearer than `near`.
+fn contact_barrier(
+    prev: vec3<f32>,
+    carried_prev: vec3<f32>,
+    rest_distance: f32,
+    along: f32,
+    after: Pose,
+    near: f32,
+) -> Barrier {
+    if contact.field_n.x == 0u && contact.n_capsules == 0u {
+        return Barrier(vec3<f32>(0.0), -NOTHING_NEAR, vec3<f32>(0.0));
+    }
+    let in_head = pose_apply_inverse(after, carried_prev);
+    let touched = touch(carried_prev, in_head, after.rotation, moments.y, rest_distance, along, near);
+    let stays = select(prev - carried_prev, vec3<f32>(0.0), touched.on_head);
+    return Barrier(touched.normal, touched.push, stays + (moments.y - moments.x) * touched.shift);
 }
 
 // How far a vertex goes in a step as any obstacle sees it; with the head it would have gone to `carried`.

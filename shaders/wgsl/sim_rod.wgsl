@@ -4,9 +4,11 @@
 // strands lies side by side (sim/src/lanes.rs), so that threads that run together read one stretch of memory. What the sweep
 // to the root leaves is a workgroup's, which takes groups of strands one after the other.
 
-#import lorelei::sim_pose::{Pose, rotate, conjugate, multiply, pose_apply, shortest_turn}
+#import lorelei::sim_pose::{Pose, rotate, conjugate, multiply, pose_apply, shortest_turn, normalize_or_zero}
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
-#import lorelei::sim_contact::{Contacted, contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST}
+#import lorelei::sim_contact::{
+    Barrier, Contacted, contact, contact_barrier, contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST,
+}
 #import lorelei::sim_air::air_velocity
 #import lorelei::sim_pull::pull_on
 
@@ -34,7 +36,7 @@ struct Symmetric {
 // Four of every vertex; which is X, PREV, ACCELERATION or FRAME.
 @group(0) @binding(auto) var<storage, read_write> s: array<vec4<f32>>;
 // Five of every vertex, of a strand of each thread: the columns of lever with the diagonal of gain in their last entries; turn
-// with the edge's length; the rest of gain.
+// with the edge's length; the rest of gain with the room of the vertex above to the nearest obstacle, or PRESSES.
 @group(0) @binding(auto) var<storage, read_write> eliminated: array<vec4<f32>>;
 
 const LANES = 32u;
@@ -63,9 +65,14 @@ const MAX_TURN = 1.0;
 const STILL = 2e-6;
 const AT_REST = 2e-5;
 const SPIN = 1e-3;
+const KEEPS_OUT = 100.0;
+const NEARBY = 0.1;
 const REACHES = 8u;
 const HELD = 1.2;
 const EDGE = vec3<f32>(0.0, 0.0, 1.0);
+
+// In place of its room: a vertex presses on what it lies on.
+const PRESSES = -1.0;
 
 // Where this thread's strand begins in `rest` and `s`, and in `eliminated`.
 var<private> base: u32;
@@ -184,7 +191,7 @@ fn moment_of_joint(below: vec4<f32>, above: vec4<f32>, joint: vec4<f32>, stiff: 
 }
 
 // Eliminate every edge from tip to root.
-fn sweep_to_root(carry: Pose, after: Pose) {
+fn sweep_to_root(is_first: bool, carry: Pose, after: Pose) {
     let h = rod.step_secs;
     let across = rod.damping + rod.drag;
     let along = rod.damping_along + DRAG_ALONG * rod.drag;
@@ -207,13 +214,14 @@ fn sweep_to_root(carry: Pose, after: Pose) {
         // Compute what drives vertex j, relative to going rigidly with the head.
         let x = s[at(j, X)].xyz;
         let carried = pose_apply(carry, x);
-        let own = clamp_length(2.0 * x - s[at(j, PREV)].xyz - carried, MAX_SPEED * h);
+        let prev = s[at(j, PREV)];
+        let own = clamp_length(2.0 * x - prev.xyz - carried, MAX_SPEED * h);
         let support = rest[at(j, SUPPORT)];
         let exposure = exposure_of(support.w);
         let mass = half_lengths(edge_length, length_above);
-        let place = rest[at(j, PLACE)].xyz;
-        let to_style = pose_apply(after, place) - carried;
-        let pull = pull_on(asked.pull, j, asked.n_vertices, place, carried, after);
+        let place = rest[at(j, PLACE)];
+        let to_style = pose_apply(after, place.xyz) - carried;
+        let pull = pull_on(asked.pull, j, asked.n_vertices, place.xyz, carried, after);
         let held = rod.gravity + rotate(after.rotation, support.xyz) + exposure.x * to_style;
         let force = held + pull.w * pull.xyz;
         let blown = h * exposure.y * air_velocity(x) - (carried - x);
@@ -224,7 +232,28 @@ fn sweep_to_root(carry: Pose, after: Pose) {
         a.diagonal += d + dragged.diagonal;
         a.off += dragged.off;
         px -= r;
-        load += mass * (force - s[at(j, ACCELERATION)].xyz);
+        // What it lies on, where it would go in without.
+        let acceleration = s[at(j, ACCELERATION)].xyz;
+        let driven = own + h * h * acceleration;
+        var room = select(prev.w, 0.0, is_first);
+        if room <= STEEPEST * contact_way(carried + driven, x, carried) {
+            let on = barrier(j, x, carried, place.w, after);
+            room = max(-on.push, 0.0);
+            let push = min(on.push, NEARBY);
+            let pressed = push - dot(on.normal, driven);
+            if pressed > 0.0 && push > -NEARBY {
+                room = PRESSES;
+                let slips = own - on.goes;
+                let slip = slips - dot(slips, on.normal) * on.normal;
+                let rub = min(contact.friction * pressed / max(length(slip), 1e-9), KEEPS_OUT);
+                let keeps = outer(on.normal, mass * (KEEPS_OUT - rub));
+                a.diagonal += mass * rub + keeps.diagonal;
+                a.off += keeps.off;
+                let across_goes = on.goes - dot(on.goes, on.normal) * on.normal;
+                px -= mass * (KEEPS_OUT * push * on.normal + rub * across_goes);
+            }
+        }
+        load += mass * (force - acceleration);
         // Compute the inertia about vertex k, with dx_j = dx_k + omega x e.
         let ea = transpose(cross_columns(e, full(a)));
         let eb = cross_columns(e, b);
@@ -252,7 +281,7 @@ fn sweep_to_root(carry: Pose, after: Pose) {
         eliminated[i + LANES] = vec4<f32>(lever[1], beta * inverse.diagonal.y);
         eliminated[i + 2u * LANES] = vec4<f32>(lever[2], beta * inverse.diagonal.z);
         eliminated[i + 3u * LANES] = vec4<f32>(turn, edge_length);
-        eliminated[i + 4u * LANES] = vec4<f32>(beta * inverse.off, 0.0);
+        eliminated[i + 4u * LANES] = vec4<f32>(beta * inverse.off, room);
         let moved = symmetric_product(b_below, lever);
         a.diagonal -= moved.diagonal;
         a.off -= moved.off;
@@ -269,7 +298,7 @@ fn sweep_to_root(carry: Pose, after: Pose) {
 }
 
 // Turn the edges from root to tip; true where a vertex touches an obstacle, and lengths are no longer exact.
-fn sweep_to_tip(is_first: bool, before: Pose, carry: Pose, after: Pose) -> bool {
+fn sweep_to_tip(before: Pose, carry: Pose, after: Pose) -> bool {
     let h = rod.step_secs;
     var touches = false;
     var omega = vec3<f32>(0.0);
@@ -290,7 +319,8 @@ fn sweep_to_tip(is_first: bool, before: Pose, carry: Pose, after: Pose) -> bool 
         let second = eliminated[i + LANES];
         let third = eliminated[i + 2u * LANES];
         let to_root = eliminated[i + 3u * LANES];
-        let gain = Symmetric(vec3<f32>(first.w, second.w, third.w), eliminated[i + 4u * LANES].xyz);
+        let last = eliminated[i + 4u * LANES];
+        let gain = Symmetric(vec3<f32>(first.w, second.w, third.w), last.xyz);
         let was = s[at(j, X)].xyz;
         let prev = s[at(j, PREV)];
         let edge_length = to_root.w;
@@ -313,27 +343,49 @@ fn sweep_to_tip(is_first: bool, before: Pose, carry: Pose, after: Pose) -> bool 
             }
         }
         below = x;
-        let acceleration = ((x - was) - (was - prev.xyz)) / (h * h);
-        let room = select(prev.w, 0.0, is_first);
-        let contacted = collide(j, x, was, room, before, carry, after);
+        let carried = pose_apply(carry, was);
+        var acceleration = (x - was) - (was - prev.xyz);
+        var contacted = collide(j, x, was, max(last.w, 0.0), before, carried, after);
         touches |= any(contacted.x != x);
+        if last.w == PRESSES {
+            let on = barrier(j, was, carried, rest[at(j, PLACE)].w, after);
+            let out = (contacted.x - carried - on.goes) - (contacted.prev - was);
+            contacted.prev += dot(out, on.normal) * on.normal;
+            acceleration -= KEEPS_OUT * (min(on.push, NEARBY) - dot(dx, on.normal)) * on.normal;
+        }
         s[at(k, FRAME)] = turned;
         s[at(j, X)] = vec4<f32>(contacted.x, was.x);
         s[at(j, PREV)] = vec4<f32>(contacted.prev, select(contacted.room, was.y, is_last));
-        s[at(j, ACCELERATION)] = vec4<f32>(acceleration, was.z);
+        s[at(j, ACCELERATION)] = vec4<f32>(acceleration / (h * h), was.z);
     }
     return touches;
 }
 
 // Keep a vertex out of the head and the colliders; `room` is how far from a contact it was at `prev`.
-fn collide(k: u32, x: vec3<f32>, prev: vec3<f32>, room: f32, before: Pose, carry: Pose, after: Pose) -> Contacted {
-    let carried = pose_apply(carry, prev);
+fn collide(
+    k: u32,
+    x: vec3<f32>,
+    prev: vec3<f32>,
+    room: f32,
+    before: Pose,
+    carried: vec3<f32>,
+    after: Pose,
+) -> Contacted {
     let left = room - STEEPEST * contact_way(x, prev, carried);
     if left > 0.0 {
         return Contacted(x, prev, left);
     }
-    let along = f32(k) / f32(asked.n_vertices - 1u);
-    return contact_collide(x, prev, rest[at(k, PLACE)].w, along, before, carried, after);
+    return contact_collide(x, prev, rest[at(k, PLACE)].w, along_strand(k), before, carried, after);
+}
+
+// What vertex `k` lies on that would go with the head from `prev` to `carried`.
+fn barrier(k: u32, prev: vec3<f32>, carried: vec3<f32>, rest_distance: f32, after: Pose) -> Barrier {
+    return contact_barrier(prev, carried, rest_distance, along_strand(k), after, NEARBY);
+}
+
+// Where on the strand, 0 root to 1 tip.
+fn along_strand(k: u32) -> f32 {
+    return f32(k) / f32(asked.n_vertices - 1u);
 }
 
 // Put every vertex at its exact distance from the one below and out of all obstacles; frames follow the edges.
@@ -366,12 +418,12 @@ fn reach_from_root(after: Pose, may_hold: bool) -> bool {
             if all(kept == x) {
                 break;
             }
-            x = at_length(below, kept, edge_length, k - 1u);
             if may_hold && distance(kept, below) > HELD * edge_length {
                 is_held = true;
                 x = kept;
                 break;
             }
+            x = turned_out(below, x, kept, edge_length, k - 1u);
         }
         s[at(k, X)] = vec4<f32>(x, was.w);
         s[at(k, PREV)] = vec4<f32>(prev.xyz + (x - start), room_after(prev.w, start, x));
@@ -402,8 +454,7 @@ fn keep_out(k: u32, start: vec3<f32>, x: vec3<f32>, room: f32, after: Pose) -> v
     if !is_last && room > STEEPEST * distance(start, x) {
         return x;
     }
-    let along = f32(k) / f32(asked.n_vertices - 1u);
-    return contact_keep_out(start, x, rest[at(k, PLACE)].w, along, after);
+    return contact_keep_out(start, x, rest[at(k, PLACE)].w, along_strand(k), after);
 }
 
 // What is kept of a vertex that has gone from `start` to `x`.
@@ -419,6 +470,19 @@ fn at_length(below: vec3<f32>, x: vec3<f32>, edge_length: f32, k: u32) -> vec3<f
         return below + edge * (edge_length / far);
     }
     return below + edge_length * rotate(s[at(k, FRAME)], EDGE);
+}
+
+// As far from `below` as at rest, and out of what pushed from `x` to `kept`: the edge turns until it is.
+fn turned_out(below: vec3<f32>, x: vec3<f32>, kept: vec3<f32>, edge_length: f32, k: u32) -> vec3<f32> {
+    let edge = kept - below;
+    let normal = normalize_or_zero(kept - x);
+    let out = dot(edge, normal);
+    let across = edge - out * normal;
+    let squared = dot(across, across);
+    if squared < 1e-12 || abs(out) >= edge_length {
+        return at_length(below, kept, edge_length, k);
+    }
+    return below + out * normal + across * sqrt((edge_length * edge_length - out * out) / squared);
 }
 
 // A strand that is not finite starts again from rest: once a frame, after its steps.
@@ -444,8 +508,8 @@ fn step_rod(step: u32) {
     let carry = asked.carries[step];
     contact_step(step, asked.n_steps);
     is_last = step + 1u == asked.n_steps;
-    sweep_to_root(carry, after);
-    if sweep_to_tip(step == 0u, before, carry, after) {
+    sweep_to_root(step == 0u, carry, after);
+    if sweep_to_tip(before, carry, after) {
         close_lengths(after);
     }
 }

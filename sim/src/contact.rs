@@ -136,6 +136,18 @@ pub struct Contacted {
     pub room: f32,
 }
 
+/// What a vertex lies on, or is about to, for a law that reckons with it in its step. Displacements are of that step, and
+/// relative to going with the head.
+#[derive(Debug, Clone, Copy)]
+pub struct Barrier {
+    /// Away from it, world; a unit vector, or zero where the distance field is flat or far.
+    pub normal: Vec3,
+    /// How far the vertex has to go along it at least, cm; negative: how far it is from a contact.
+    pub push: f32,
+    /// How far the surface goes there, world, cm.
+    pub goes: Vec3,
+}
+
 /// The head and the colliders that hair keeps out of.
 #[derive(Debug, Clone, Copy)]
 pub struct Obstacles<'a> {
@@ -215,6 +227,24 @@ impl<'a> Obstacles<'a> {
         let hold_back = (self.params.friction * touch.push / along_surface.length().max(1e-9)).min(1.0);
         let x = pushed - hold_back * along_surface;
         Contacted { x, prev: prev + slid.dot(touch.normal) * touch.normal, room: 0.0 }
+    }
+
+    /// What a vertex is nearest to or deepest in that would go with the head from `prev` to `carried`; its normal is known
+    /// where it is nearer than `near`.
+    pub fn barrier(
+        &self,
+        prev: Vec3,
+        carried: Vec3,
+        rest_distance: f32,
+        along: f32,
+        after: Pose,
+        near: f32,
+    ) -> Barrier {
+        let in_head = after.apply_inverse(carried);
+        let touch = self.touch(carried, in_head, after.rotation, self.moments[1], rest_distance, along, near);
+        let stays = if touch.on_head { Vec3::ZERO } else { prev - carried };
+        let goes = stays + (self.moments[1] - self.moments[0]) * touch.shift;
+        Barrier { normal: touch.normal, push: touch.push, goes }
     }
 
     /// How far a vertex goes in a step as any obstacle sees it; with the head it would have gone to `carried`.

@@ -117,13 +117,13 @@ fn the_frame_rate_does_not_show() {
 fn step_rate_and_iterations_hardly_change_where_hair_hangs() {
     for load in [Load::Weight, Load::Wind] {
         let reference = drape(&UNDER, load, 240.0, 1).unwrap();
-        // What lies on the head is 3.6 % and 5.7 % of its length elsewhere at 60 and 30 Hz: docs/movement/laws.md.
-        for (steps_per_second, more_iterations) in [(120.0, 1), (240.0, 2)] {
+        // Where contact is left to after the step, it is 5.7 % at 30 Hz.
+        for (steps_per_second, more_iterations) in [(30.0, 1), (60.0, 1), (120.0, 1), (240.0, 2)] {
             let error = apart(&reference, &drape(&UNDER, load, steps_per_second, more_iterations).unwrap());
             println!(
                 "{load:?}, {steps_per_second} Hz, {more_iterations} times the iterations: {error} % of the length"
             );
-            assert!(error < 2.0, "{load:?}, {steps_per_second} Hz, {more_iterations}: {error} % of the length");
+            assert!(error < 0.5, "{load:?}, {steps_per_second} Hz, {more_iterations}: {error} % of the length");
         }
     }
 }
