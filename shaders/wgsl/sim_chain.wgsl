@@ -5,7 +5,7 @@
 
 #import lorelei::sim_pose::{Pose, rotate, pose_apply, turned_as, inverse_length}
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
-#import lorelei::sim_contact::{contact_collide, contact_step, contact_way, STEEPEST}
+#import lorelei::sim_contact::{contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST}
 #import lorelei::sim_air::air_velocity
 #import lorelei::sim_pull::pull_on
 
@@ -23,9 +23,12 @@ struct ChainRest {
     place: vec4<f32>,
     // Hold to the style over mass; share of the wind.
     numbers: vec4<f32>,
+    // xyz what carries it beside its own strand, head space, w the pull of the edge below over its mass, at rest: cm/s2.
+    support: vec4<f32>,
 }
 
 struct ChainVertex {
+    // xyz world, cm; w the pull of the edge below over the vertex's mass in the last step, cm/s2.
     x: vec4<f32>,
     // A step ago; a contact moves it where it takes velocity.
     prev: vec4<f32>,
@@ -36,6 +39,14 @@ struct ChainVertex {
 // Threads of a workgroup, and most vertices of a strand: guides have no more than 64.
 const LANES: u32 = 64u;
 const PULL_SPEED: f32 = 60.0;
+// Largest pull of an edge over its vertex's mass, cm/s2, and shortest edge that pulls, cm.
+const MOST_PULL: f32 = 1e6;
+const SHORTEST: f32 = 1e-4;
+// Times in a step that lengths are closed where obstacles keep moving vertices, and what they may move without: cm.
+const CLOSINGS: u32 = 8u;
+const CLOSED: f32 = 0.002;
+// As near as this to the style, and to where it was, a vertex is put to the style, cm.
+const AT_REST: f32 = 5e-5;
 
 @group(0) @binding(auto) var<storage, read> chain: ChainParams;
 @group(0) @binding(auto) var<storage, read> rest: array<ChainRest>;
@@ -43,39 +54,117 @@ const PULL_SPEED: f32 = 60.0;
 
 // Places of the vertices now, one a thread.
 var<workgroup> x_of: array<vec3<f32>, LANES>;
-// How far the local shape would move them.
+// How far the local shape would move them; what is found by halving.
 var<workgroup> turn_of: array<vec3<f32>, LANES>;
+// Shares of the vertices below and above in where a vertex goes; x the stiffness of the edge below before that.
+var<workgroup> share_of: array<vec2<f32>, LANES>;
+// Of each strand of the workgroup: whether obstacles moved it when its lengths were closed; whether any.
+var<workgroup> is_open: array<atomic<u32>, LANES>;
+var<workgroup> is_any_open: u32;
 // Of each strand of the workgroup.
 var<workgroup> is_broken: array<atomic<u32>, LANES>;
 
 // Verlet's rule for one vertex: where it goes from `x`; with the head it would go to `carried`.
 fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec3<f32> {
-    let styled = pose_apply(after, at.place.xyz);
     if k < N_PINNED {
-        return styled;
+        return pose_apply(after, at.place.xyz);
     }
     let with_head = carried - x;
     var v = with_head + chain.keep * (x - prev - with_head);
     v += chain.take_up * (at.numbers.y * chain.step_secs * air_velocity(x) - v);
-    let moved = x + clamp_length(v, MAX_SPEED * chain.step_secs) + chain.gravity_step;
+    let forces = chain.step_secs * chain.step_secs * rotate(after.rotation, at.support.xyz);
+    return x + clamp_length(v, MAX_SPEED * chain.step_secs) + (chain.gravity_step + forces);
+}
+
+// The hold to the style and a hand, of one vertex that the pulls take to `x`.
+fn hold(k: u32, x: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec3<f32> {
+    if k < N_PINNED {
+        return x;
+    }
     let stiffness = at.numbers.x * chain.step_secs * chain.step_secs;
-    let held = moved + (styled - moved) * (stiffness / (1.0 + stiffness));
+    let held = x + (pose_apply(after, at.place.xyz) - x) * (stiffness / (1.0 + stiffness));
     let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, carried, after);
     let pulled = pull.w * chain.step_secs * chain.step_secs;
     let led = carried + clamp_length(pull.xyz, PULL_SPEED * chain.step_secs);
     return held + (led - held) * (pulled / (1.0 + pulled));
 }
 
-// Lengths of every second edge: the thread of an edge's upper vertex moves both of its ends.
-fn lengths(lane: u32, k: u32, is_here: bool, rest_length: f32, batch: u32) {
+// Where a vertex goes that would go to `to` if edges did not pull: see take_pulls in sim/src/chain.rs. One equation a
+// vertex, with its neighbours' places as unknowns; each round puts in theirs, until none is left.
+fn take_pulls(lane: u32, k: u32, is_here: bool, to: vec3<f32>, w_below: f32) -> vec3<f32> {
+    let n = asked.n_vertices;
+    if is_here {
+        share_of[lane] = vec2<f32>(w_below, 0.0);
+    }
+    workgroupBarrier();
+    let is_free = is_here && k >= N_PINNED;
+    let has_above = is_free && k + 1u < n;
+    var w_above = 0.0;
+    if has_above {
+        w_above = share_of[lane + 1u].x;
+    }
+    workgroupBarrier();
+    let scale = 1.0 / (1.0 + w_below + w_above);
+    var share = vec2<f32>(scale * w_below, scale * w_above);
+    var x = scale * to;
+    for (var far = 1u; far < n; far *= 2u) {
+        if is_here {
+            share_of[lane] = share;
+            turn_of[lane] = x;
+        }
+        workgroupBarrier();
+        var below = vec2<f32>(0.0);
+        var above = vec2<f32>(0.0);
+        var x_below = vec3<f32>(0.0);
+        var x_above = vec3<f32>(0.0);
+        if is_free && k >= far {
+            below = share_of[lane - far];
+            x_below = turn_of[lane - far];
+        }
+        if is_free && k + far < n {
+            above = share_of[lane + far];
+            x_above = turn_of[lane + far];
+        }
+        let again = 1.0 / (1.0 - share.x * below.y - share.y * above.x);
+        x = again * (x + share.x * x_below + share.y * x_above);
+        share = again * vec2<f32>(share.x * below.x, share.y * above.y);
+        workgroupBarrier();
+    }
+    return x;
+}
+
+// Lengths of every second edge: the thread of an edge's upper vertex moves both of its ends. Returns the pull of its edge.
+fn lengths(lane: u32, k: u32, is_here: bool, rest_length: f32, batch: u32, pull: f32) -> f32 {
+    var pulls = pull;
     if is_here && k >= N_PINNED + batch && (k - N_PINNED - batch) % 2u == 0u {
         let edge = x_of[lane] - x_of[lane - 1u];
         let w_below = select(1.0, 0.0, k - 1u < N_PINNED);
-        let correction = edge * ((1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below));
+        let too_long = (1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below);
+        let correction = too_long * edge;
+        pulls = clamp(pull + too_long * length(edge) / (chain.step_secs * chain.step_secs), 0.0, MOST_PULL);
         x_of[lane - 1u] += w_below * correction;
         x_of[lane] -= correction;
     }
     workgroupBarrier();
+    return pulls;
+}
+
+// How far closing the lengths of all edges up to this vertex's own moves it: a sum from the root up, in doubling reaches.
+fn closing(lane: u32, k: u32, is_free: bool, rest_length: f32) -> vec3<f32> {
+    var moved = vec3<f32>(0.0);
+    if is_free {
+        let edge = x_of[lane] - x_of[lane - 1u];
+        moved = edge * (rest_length * inverse_length(edge) - 1.0);
+    }
+    for (var far = 1u; far < asked.n_vertices; far *= 2u) {
+        turn_of[lane] = moved;
+        workgroupBarrier();
+        if is_free && k >= N_PINNED + far {
+            moved += turn_of[lane - far];
+        }
+        workgroupBarrier();
+    }
+    return moved;
 }
 
 // Towards the local shape, all at once from where the vertices were before; both ends of an edge move.
@@ -121,6 +210,7 @@ fn advance(
     var x = s[i].x.xyz;
     var prev = s[i].prev.xyz;
     var begun = s[i].begun.xyz;
+    var pull = s[i].x.w;
     if asked.carried == 1u {
         x = pose_apply(asked.carry, x);
         prev = pose_apply(asked.carry, prev);
@@ -142,7 +232,9 @@ fn advance(
         let after = asked.poses[step + 1u];
         begun = x;
         var carried = pose_apply(asked.carries[step], x);
-        let moved = integrate(k, x, prev, rest[i], carried, after);
+        let to = integrate(k, x, prev, rest[i], carried, after);
+        let w_below = select(0.0, chain.step_secs * chain.step_secs * pull / max(rest_length, SHORTEST), is_free);
+        let moved = hold(k, take_pulls(lane, k, is_here, to, w_below), rest[i], carried, after);
         prev = x;
         if is_here {
             x_of[lane] = moved;
@@ -151,8 +243,8 @@ fn advance(
         let turned_below = rotate(after.rotation, rest_below);
         let turned_edge = rotate(after.rotation, rest_edge);
         for (var iteration = 0u; iteration < chain.n_iterations; iteration++) {
-            lengths(lane, k, is_here, rest_length, 0u);
-            lengths(lane, k, is_here, rest_length, 1u);
+            pull = lengths(lane, k, is_here, rest_length, 0u, pull);
+            pull = lengths(lane, k, is_here, rest_length, 1u, pull);
             angles(lane, is_free, k + 1u == n, turned_below, turned_edge);
             if is_free {
                 let free = x_of[lane];
@@ -170,9 +262,51 @@ fn advance(
             }
             workgroupBarrier();
         }
+        // Put every vertex at its distance from the one below, and out of all obstacles, without giving velocity.
+        var is_closed = !is_free;
+        for (var again = 0u; again < CLOSINGS; again++) {
+            let moved_by = closing(lane, k, is_free, rest_length);
+            if is_here && k == 0u {
+                atomicStore(&is_open[strand], 0u);
+            }
+            if lane == 0u {
+                is_any_open = 0u;
+            }
+            workgroupBarrier();
+            if !is_closed {
+                let start = x_of[lane];
+                let closed = start + moved_by;
+                let way = STEEPEST * distance(start, closed);
+                x_of[lane] = closed;
+                if room > way {
+                    room -= way;
+                } else {
+                    room = 0.0;
+                    let kept = contact_keep_out(start, closed, place.w, along, after);
+                    x_of[lane] = kept;
+                    prev += kept - closed;
+                    if distance(kept, closed) >= CLOSED {
+                        atomicStore(&is_open[strand], 1u);
+                    }
+                }
+            }
+            workgroupBarrier();
+            if !is_closed && atomicLoad(&is_open[strand]) == 1u {
+                is_any_open = 1u;
+            } else {
+                is_closed = true;
+            }
+            if workgroupUniformLoad(&is_any_open) == 0u {
+                break;
+            }
+        }
         if is_here {
             x = x_of[lane];
+            let styled = pose_apply(after, place.xyz);
+            carried = pose_apply(asked.carries[step], prev);
             room = max(room - STEEPEST * contact_way(x, prev, carried), 0.0);
+            let aside = max(dot(x - styled, x - styled), dot(x - carried, x - carried));
+            x = select(x, styled, aside < AT_REST * AT_REST);
         }
     }
     // A strand that is not finite starts again from rest: once a frame, after its steps.
@@ -191,8 +325,9 @@ fn advance(
             x = pose_apply(asked.poses[asked.n_steps], place.xyz);
             prev = x;
             begun = x;
+            pull = rest[i].support.w;
         }
-        s[i] = ChainVertex(vec4<f32>(x, 0.0), vec4<f32>(prev, 0.0), vec4<f32>(begun, 0.0));
+        s[i] = ChainVertex(vec4<f32>(x, pull), vec4<f32>(prev, 0.0), vec4<f32>(begun, 0.0));
         positions[i] = shown_at(k, place.xyz, x, begun);
     }
 }

@@ -5,8 +5,18 @@
 //! share no vertex, angular constraints towards the local shape at rest, contacts. Every vertex of a batch can be moved at
 //! once, so on the GPU a thread takes a vertex, and a workgroup as many strands as have room.
 //!
-//! It is what it is: a pull spreads by two vertices an iteration, so long chains stretch when shaken; stiffness depends on
-//! iterations and step; and the style sags where the shape is weak. Rods are the default for those reasons.
+//! By themselves those spread a pull by two vertices an iteration, so that long hair stretches by a fifth under its own
+//! weight and more when it is shaken, and every style sags when time starts (measured). Three things keep that from it:
+//!
+//! - **The pull of an edge is kept.** What its corrections come to in a step is the force in it, and most of what it will
+//!   be in the next; the next begins with it, as springs across the edges, solved at once (`take_pulls`), and iterations
+//!   have the change alone to find.
+//! - **Lengths are closed** at the end of a step, in the directions that edges have, in turn with contacts.
+//! - **The style rests.** At bind time every edge gets the pull of the weight that hangs on it, and what it cannot carry
+//!   so is carried by a force that turns with the head.
+//!
+//! What remains is that stiffness is a matter of iterations and of the step: hair that has left its style hangs otherwise at
+//! other steps. Rods are the default for that.
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::simulation::SimulationSettings;
@@ -16,12 +26,23 @@ use crate::bounded;
 use crate::contact::{Obstacles, STEEPEST};
 use crate::pose::{Pose, clamp_length, inverse_length, rotate, turned_as};
 use crate::pull::PullParams;
+use crate::rest::Exposure;
 use crate::rod::{MAX_SPEED, N_PINNED};
 
 /// A hand leads a vertex no faster, cm/s, and gives it no velocity: as a force, or faster, it makes the chain swing about
 /// the hand for as long as it holds it (measured: edges 40 % too long). So a chain comes to the hand only where its weight
 /// and its shape let it.
 const PULL_SPEED: f32 = 60.0;
+
+/// Largest pull of an edge over its vertex's mass, cm/s2: a thousand times gravity.
+const MOST_PULL: f32 = 1e6;
+/// Shortest edge that pulls, cm.
+const SHORTEST: f32 = 1e-4;
+/// Times in a step that lengths are closed where obstacles keep moving vertices, and what they may move without: cm.
+const CLOSINGS: usize = 8;
+const CLOSED: f32 = 0.002;
+/// As near as this to the style, and to where it was, a vertex is put to the style: hair at rest stays to the last bit, cm.
+const AT_REST: f32 = 5e-5;
 
 /// [`SimulationSettings`] made ready for steps. Layout of `ChainParams` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -64,13 +85,41 @@ pub struct ChainRest {
     pub place: Vec4,
     /// Stiffness over mass by which it is held to the style, 1/s2; share of the wind that it feels.
     pub numbers: Vec4,
+    /// xyz what carries it beside its own strand, head space, w the pull of the edge below over its mass, at rest: cm/s2.
+    pub support: Vec4,
+}
+
+/// Make one strand of [`Rest`](crate::rest::Rest) ready. The style is the shape under gravity: an edge pulls by the weight
+/// that hangs on it, and what it cannot carry so is carried by a force that turns with the head. Where `is_weightless` the
+/// style is the shape without, and nothing carries it.
+pub fn rest_of(places: &[Vec4], exposures: &[Exposure], p: &ChainParams, is_weightless: bool) -> Vec<ChainRest> {
+    let of = |(&place, exposure): (&Vec4, &Exposure)| ChainRest {
+        place,
+        numbers: Vec4::new(exposure.hold, exposure.wind, 0.0, 0.0),
+        support: Vec4::ZERO,
+    };
+    let mut rest: Vec<ChainRest> = places.iter().zip(exposures).map(of).collect();
+    if is_weightless {
+        return rest;
+    }
+    let gravity = Vec3::from_array(p.gravity_step) / (p.step_secs * p.step_secs);
+    let mut above = Vec3::ZERO;
+    for k in (N_PINNED..rest.len()).rev() {
+        let edge = places[k].xyz() - places[k - 1].xyz();
+        let along = edge * inverse_length(edge);
+        let load = gravity + above;
+        let pull = load.dot(along).clamp(0.0, MOST_PULL);
+        rest[k].support = (pull * along - load).extend(pull);
+        above = pull * along;
+    }
+    rest
 }
 
 /// State of one vertex. Layout of `ChainVertex` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct ChainVertex {
-    /// World, cm.
+    /// xyz world, cm; w the pull of the edge below over the vertex's mass in the last step, cm/s2.
     pub x: Vec4,
     /// A step ago; a contact moves it where it takes velocity.
     pub prev: Vec4,
@@ -79,14 +128,14 @@ pub struct ChainVertex {
 }
 
 /// At rest on a head at `pose`.
-pub fn at_rest(place: Vec4, pose: Pose) -> ChainVertex {
-    let x = pose.apply(place.xyz()).extend(0.0);
-    ChainVertex { x, prev: x, begun: x }
+pub fn at_rest(rest: &ChainRest, pose: Pose) -> ChainVertex {
+    let x = pose.apply(rest.place.xyz());
+    ChainVertex { x: x.extend(rest.support.w), prev: x.extend(0.0), begun: x.extend(0.0) }
 }
 
 /// Move everything rigidly.
 pub fn carry(s: &mut [ChainVertex], carry: Pose) {
-    let moved = |x: Vec4| carry.apply(x.xyz()).extend(0.0);
+    let moved = |x: Vec4| carry.apply(x.xyz()).extend(x.w);
     for vertex in s {
         *vertex = ChainVertex { x: moved(vertex.x), prev: moved(vertex.prev), begun: moved(vertex.begun) };
     }
@@ -108,31 +157,27 @@ pub fn step_chain(
     let carry = after.after_inverse_of(&before);
     integrate(s, rest, p, air, pull, carry, after);
     for _ in 0..p.n_iterations {
-        lengths(s, rest, 0);
-        lengths(s, rest, 1);
+        lengths(s, rest, p, 0);
+        lengths(s, rest, p, 1);
         angles(s, rest, p, after);
-        for k in N_PINNED..s.len() {
-            let along = k as f32 / (s.len() - 1) as f32;
-            let (free, prev) = (s[k].x.xyz(), s[k].prev.xyz());
-            let way = STEEPEST * obstacles.way(free, prev, carry.apply(prev));
-            if rooms[k] <= way {
-                let contacted = obstacles.collide(free, prev, rest[k].place.w, along, before, after);
-                s[k].x = contacted.x.extend(0.0);
-                rooms[k] = rooms[k].max(contacted.room - way);
-                if contacted.x != free {
-                    s[k].prev = contacted.prev.extend(0.0);
-                    rooms[k] = 0.0;
-                }
-            }
+        contacts(s, rest, obstacles, [before, carry, after], rooms);
+    }
+    for _ in 0..CLOSINGS {
+        if close_lengths(s, rest, obstacles, after, rooms) < CLOSED {
+            break;
         }
     }
-    for (vertex, room) in s.iter().zip(rooms) {
-        let (x, prev) = (vertex.x.xyz(), vertex.prev.xyz());
-        *room = (*room - STEEPEST * obstacles.way(x, prev, carry.apply(prev))).max(0.0);
+    for k in 0..s.len() {
+        let (x, prev, styled) = (s[k].x.xyz(), s[k].prev.xyz(), after.apply(rest[k].place.xyz()));
+        let carried = carry.apply(prev);
+        rooms[k] = (rooms[k] - STEEPEST * obstacles.way(x, prev, carried)).max(0.0);
+        if x.distance_squared(styled).max(x.distance_squared(carried)) < AT_REST * AT_REST {
+            s[k].x = styled.extend(s[k].x.w);
+        }
     }
 }
 
-/// Verlet's rule with gravity, air and the hold to the style. Pinned vertices go with the head.
+/// Verlet's rule with gravity, air, the pulls of the edges and the hold to the style. Pinned vertices go with the head.
 fn integrate(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
@@ -143,38 +188,133 @@ fn integrate(
     after: Pose,
 ) {
     let n = s.len();
-    for k in 0..n {
-        let x = s[k].x.xyz();
-        let styled = after.apply(rest[k].place.xyz());
-        let mut moved = styled;
-        if k >= N_PINNED {
+    let squared_step = p.step_secs * p.step_secs;
+    let mut to: Vec<Vec3> = (0..n)
+        .map(|k| {
+            if k < N_PINNED {
+                return after.apply(rest[k].place.xyz());
+            }
+            let x = s[k].x.xyz();
             let with_head = carry.apply(x) - x;
             let mut v = with_head + p.keep * (x - s[k].prev.xyz() - with_head);
-            let [hold, exposed, ..] = rest[k].numbers.to_array();
-            v += p.take_up * (exposed * p.step_secs * air.velocity(x) - v);
-            moved = x + clamp_length(v, MAX_SPEED * p.step_secs) + Vec3::from_array(p.gravity_step);
-            let stiffness = hold * p.step_secs * p.step_secs;
+            v += p.take_up * (rest[k].numbers.y * p.step_secs * air.velocity(x) - v);
+            let forces = squared_step * rotate(after.rotation, rest[k].support.xyz());
+            x + clamp_length(v, MAX_SPEED * p.step_secs) + (Vec3::from_array(p.gravity_step) + forces)
+        })
+        .collect();
+    take_pulls(&mut to, s, rest, squared_step);
+    for k in 0..n {
+        let x = s[k].x.xyz();
+        let mut moved = to[k];
+        if k >= N_PINNED {
+            let styled = after.apply(rest[k].place.xyz());
+            let stiffness = rest[k].numbers.x * squared_step;
             moved += (styled - moved) * (stiffness / (1.0 + stiffness));
-            let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), x + with_head, after);
-            let pulled = strength * p.step_secs * p.step_secs;
-            let led = x + with_head + clamp_length(pull_way, PULL_SPEED * p.step_secs);
+            let carried = carry.apply(x);
+            let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), carried, after);
+            let pulled = strength * squared_step;
+            let led = carried + clamp_length(pull_way, PULL_SPEED * p.step_secs);
             moved += (led - moved) * (pulled / (1.0 + pulled));
         }
-        s[k].prev = s[k].x;
-        s[k].x = moved.extend(0.0);
+        s[k].prev = x.extend(0.0);
+        s[k].x = moved.extend(s[k].x.w);
     }
 }
 
-/// Lengths of every second edge: the edges of one batch share no vertex.
-fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], batch: usize) {
+/// Where vertices go that would go to `to` if edges did not pull: an edge that pulls with a force is a spring without a
+/// length whose stiffness is the force over the length of the edge, across the edge as along it. Implicit, one equation with
+/// three unknowns a vertex, so that it is stable at any step; at rest it is where the style is. The twin halves the
+/// equations instead, so that every vertex has a thread.
+fn take_pulls(to: &mut [Vec3], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
+    let n = to.len();
+    let stiffness = |k: usize| {
+        let length = if k < n { rest[k].place.xyz().distance(rest[k - 1].place.xyz()) } else { 1.0 };
+        if k < n { squared_step * s[k].x.w / length.max(SHORTEST) } else { 0.0 }
+    };
+    let mut above = vec![0.0; n];
+    for k in N_PINNED..n {
+        let (w_below, w_above) = (stiffness(k), stiffness(k + 1));
+        let scale = 1.0 / (1.0 + w_below + w_above - w_below * above[k - 1]);
+        above[k] = scale * w_above;
+        to[k] = scale * (to[k] + w_below * to[k - 1]);
+    }
+    for k in (N_PINNED..n.saturating_sub(1)).rev() {
+        let next = to[k + 1];
+        to[k] += above[k] * next;
+    }
+}
+
+/// Lengths of every second edge: the edges of one batch share no vertex. What corrects an edge adds to its pull.
+fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, batch: usize) {
     for k in (N_PINNED + batch..s.len()).step_by(2) {
         let edge = s[k].x.xyz() - s[k - 1].x.xyz();
         let rest_length = rest[k].place.xyz().distance(rest[k - 1].place.xyz());
         let w_below = if k - 1 < N_PINNED { 0.0 } else { 1.0 };
-        let correction = edge * ((1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below));
+        let too_long = (1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below);
+        let correction = too_long * edge;
+        let pull = s[k].x.w + too_long * edge.length() / (p.step_secs * p.step_secs);
         s[k - 1].x += (w_below * correction).extend(0.0);
-        s[k].x -= correction.extend(0.0);
+        s[k].x = (s[k].x.xyz() - correction).extend(pull.clamp(0.0, MOST_PULL));
     }
+}
+
+/// Keep vertices out of the head and the colliders.
+fn contacts(
+    s: &mut [ChainVertex],
+    rest: &[ChainRest],
+    obstacles: Obstacles<'_>,
+    [before, carry, after]: [Pose; 3],
+    rooms: &mut [f32],
+) {
+    for k in N_PINNED..s.len() {
+        let along = k as f32 / (s.len() - 1) as f32;
+        let (free, prev) = (s[k].x.xyz(), s[k].prev.xyz());
+        let way = STEEPEST * obstacles.way(free, prev, carry.apply(prev));
+        if rooms[k] <= way {
+            let contacted = obstacles.collide(free, prev, rest[k].place.w, along, before, after);
+            s[k].x = contacted.x.extend(s[k].x.w);
+            rooms[k] = rooms[k].max(contacted.room - way);
+            if contacted.x != free {
+                s[k].prev = contacted.prev.extend(0.0);
+                rooms[k] = 0.0;
+            }
+        }
+    }
+}
+
+/// Put every vertex at its distance from the one below, in the direction that it has, and out of all obstacles, without
+/// giving velocity; returns how far obstacles moved the farthest, cm.
+fn close_lengths(
+    s: &mut [ChainVertex],
+    rest: &[ChainRest],
+    obstacles: Obstacles<'_>,
+    after: Pose,
+    rooms: &mut [f32],
+) -> f32 {
+    let mut farthest = 0.0_f32;
+    let mut moved = Vec3::ZERO;
+    let mut below = s[N_PINNED - 1].x.xyz();
+    for k in N_PINNED..s.len() {
+        let start = s[k].x.xyz();
+        let edge = start - below;
+        below = start;
+        let rest_length = rest[k].place.xyz().distance(rest[k - 1].place.xyz());
+        moved += edge * (rest_length * inverse_length(edge) - 1.0);
+        let closed = start + moved;
+        s[k].x = closed.extend(s[k].x.w);
+        let way = STEEPEST * start.distance(closed);
+        if rooms[k] > way {
+            rooms[k] -= way;
+            continue;
+        }
+        rooms[k] = 0.0;
+        let along = k as f32 / (s.len() - 1) as f32;
+        let kept = obstacles.keep_out(start, closed, rest[k].place.w, along, after);
+        farthest = farthest.max(kept.distance(closed));
+        s[k].x = kept.extend(s[k].x.w);
+        s[k].prev += (kept - closed).extend(0.0);
+    }
+    farthest
 }
 
 /// Towards the local shape: where the turn of the edge below would take the edge above it. All at once, from where vertices
@@ -210,6 +350,6 @@ pub fn recover(s: &mut [ChainVertex], rest: &[ChainRest], after: Pose) {
         return;
     }
     for (vertex, rest) in s.iter_mut().zip(rest) {
-        *vertex = at_rest(rest.place, after);
+        *vertex = at_rest(rest, after);
     }
 }

@@ -31,7 +31,7 @@ pub struct SimulatedLayer {
 #[derive(Debug, Clone)]
 enum Law {
     Rods { params: RodParams, is_weightless: bool, rest: Vec<RodRest>, state: Vec<RodVertex> },
-    Chains { params: ChainParams, rest: Vec<ChainRest>, state: Vec<ChainVertex> },
+    Chains { params: ChainParams, is_weightless: bool, rest: Vec<ChainRest>, state: Vec<ChainVertex> },
 }
 
 impl SimulatedLayer {
@@ -64,15 +64,20 @@ impl SimulatedLayer {
             Law::Rods { params, is_weightless, .. } => {
                 let new = RodParams::new(settings);
                 let is_same = settings.solver == Solver::Rods
-                    && *is_weightless == (settings.rest_shape == RestShape::Weightless)
+                    && *is_weightless == is_weightless_in(settings)
                     && params.bend == new.bend
                     && params.gravity == new.gravity;
                 *params = new;
                 is_same
             }
-            Law::Chains { params, .. } => {
-                *params = ChainParams::new(settings);
-                settings.solver == Solver::Chains
+            Law::Chains { params, is_weightless, .. } => {
+                let new = ChainParams::new(settings);
+                let is_same = settings.solver == Solver::Chains
+                    && *is_weightless == is_weightless_in(settings)
+                    && params.step_secs == new.step_secs
+                    && params.gravity_step == new.gravity_step;
+                *params = new;
+                is_same
             }
         };
         if is_same_law && !are_moved && self.hold == Hold::new(settings) {
@@ -121,8 +126,8 @@ impl SimulatedLayer {
     pub fn reset(&mut self, pose: Pose) {
         match &mut self.law {
             Law::Rods { rest, state, .. } => *state = rest.iter().map(|rest| rod_rest::at_rest(rest, pose)).collect(),
-            Law::Chains { state, .. } => {
-                *state = self.rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
+            Law::Chains { rest, state, .. } => {
+                *state = rest.iter().map(|rest| chain::at_rest(rest, pose)).collect();
             }
         }
         self.shown = self.rest.vertices.iter().map(|place| pose.apply(place.xyz()).extend(0.0)).collect();
@@ -268,7 +273,7 @@ impl SimulatedLayer {
                     },
                 );
             }
-            Law::Chains { params, rest, state } => {
+            Law::Chains { params, rest, state, .. } => {
                 let strands = state.par_chunks_exact_mut(n).zip(rest.par_chunks_exact(n)).zip(places.zip(shown));
                 let move_strand = |rooms: &mut Vec<f32>, ((s, rest), (places, shown)): ChainStrand<'_>| {
                     if let Some(by) = frame.carry {
@@ -296,28 +301,30 @@ impl Law {
     fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose) -> Self {
         let n = rest.n_vertices.max(1) as usize;
         let exposures = rest.exposures(Hold::new(settings));
+        let is_weightless = is_weightless_in(settings);
+        let strands = rest.vertices.par_chunks(n).zip(exposures.par_chunks(n));
         match settings.solver {
             Solver::Rods => {
                 let params = RodParams::new(settings);
-                let is_weightless = settings.rest_shape == RestShape::Weightless;
-                let rest: Vec<RodRest> = rest
-                    .vertices
-                    .par_chunks(n)
-                    .zip(exposures.par_chunks(n))
-                    .flat_map_iter(|(places, exposures)| rod_rest::rest_of(places, exposures, &params, is_weightless))
-                    .collect();
+                let of = |(places, exposures)| rod_rest::rest_of(places, exposures, &params, is_weightless);
+                let rest: Vec<RodRest> = strands.flat_map_iter(of).collect();
                 let state = rest.iter().map(|rest| rod_rest::at_rest(rest, pose)).collect();
                 Self::Rods { params, is_weightless, rest, state }
             }
             Solver::Chains => {
-                let state = rest.vertices.iter().map(|&place| chain::at_rest(place, pose)).collect();
-                let numbers = exposures.iter().map(|exposure| Vec4::new(exposure.hold, exposure.wind, 0.0, 0.0));
-                let places = rest.vertices.iter().zip(numbers);
-                let rest = places.map(|(&place, numbers)| ChainRest { place, numbers }).collect();
-                Self::Chains { params: ChainParams::new(settings), rest, state }
+                let params = ChainParams::new(settings);
+                let of = |(places, exposures)| chain::rest_of(places, exposures, &params, is_weightless);
+                let rest: Vec<ChainRest> = strands.flat_map_iter(of).collect();
+                let state = rest.iter().map(|rest| chain::at_rest(rest, pose)).collect();
+                Self::Chains { params, is_weightless, rest, state }
             }
         }
     }
+}
+
+/// The style is the shape of the hair without weight.
+fn is_weightless_in(settings: &SimulationSettings) -> bool {
+    settings.rest_shape == RestShape::Weightless
 }
 
 /// What a thread moves at a time: state and rest of a chain, and where it rests and is shown.

@@ -22,7 +22,7 @@ choices! {
     Solver {
         #[serde(alias = "Guides")]
         Rods = "rods", "Rods", "Exact length, bending and twist that no step or iteration changes; the style rests without sagging";
-        Chains = "chains", "Chains", "Verlet chains with length and shape constraints in batches, as games have them: softer with fewer iterations, and long hair stretches";
+        Chains = "chains", "Chains", "Verlet chains with length and shape constraints in batches, as games have them: softer with fewer iterations and longer steps";
     }
 }
 

@@ -135,7 +135,7 @@ fn chains_agree_and_keep_what_chains_can() {
     let (on_cpu, on_gpu) = (twins.cpu_solver.measure(), twins.gpu_solver.measure().unwrap());
     println!("{on_cpu:?}");
     for measure in [on_cpu, on_gpu] {
-        assert!(measure.length_error_rms < 0.05 && measure.penetration_max_cm < 0.1, "{measure:?}");
+        assert!(measure.length_error_rms < 0.01 && measure.penetration_max_cm < 0.1, "{measure:?}");
         assert!(measure.n_not_finite == 0 && measure.speed_max > 1.0, "{measure:?}");
     }
 }
