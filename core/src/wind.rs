@@ -165,7 +165,7 @@ pub struct AirSettings {
     pub resolution: u32,
     /// How fast vorticity confinement drives small eddies that the grid has smoothed away, 1/s.
     pub vorticity: f32,
-    /// Drag of hair on the air: 1 as measured on cylinders, 0 none.
+    /// How hard hair slows the air: 1 as hard as the air drives hair, 0 not at all.
     pub hair_drag: f32,
     /// Whether the air goes around the head.
     pub obstacle: Switch,
@@ -209,7 +209,7 @@ impl AirSettings {
             integer("wind.seed", "Seed", "", (0, 9999), &mut self.eddies.seed, BLOWS, "Other gusts and eddies of the same kind"),
             integer("wind.resolution", "Grid", "cells", (16, 128), &mut self.resolution, GRID, "Cells along each side: 16, 24, 32, 48, 64, 96 or 128, the nearest is taken; twice as many take eight times as long"),
             number("wind.vorticity", "Vorticity", "1/s", (0.0, 40.0), &mut self.vorticity, GRID, "How fast eddies are driven that the grid would smooth away"),
-            number("wind.hair_drag", "Hair stops air", "", (0.0, 4.0), &mut self.hair_drag, GRID, "Drag of hair on the air: 1 as measured on thin cylinders, 0 none"),
+            number("wind.hair_drag", "Hair stops air", "", (0.0, 4.0), &mut self.hair_drag, GRID, "How hard hair slows the air: 1 as hard as the air drives hair, 0 not at all"),
             integer("wind.cycles", "Pressure cycles", "", (1, 8), &mut self.n_cycles, GRID, "Multigrid cycles a frame: more leave less divergence"),
             Param { key: "wind.obstacle".to_owned(), label: "Around the head", unit: "", min: 0.0, max: 0.0, of: GRID, help: "Whether the air goes around the head", value: ParamValue::Choice(&mut self.obstacle) },
         ]

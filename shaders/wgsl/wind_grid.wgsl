@@ -18,13 +18,11 @@ struct Grid {
     n: u32,
     // 1: the air goes around head and colliders.
     obstacle: u32,
-    // Kinematic viscosity times what an artist makes of it, cm2/s.
+    // Rate at which a gram of hair in a cubic centimetre of air slows it, cm3/(g s).
     hair_drag: f32,
-    // Diameter of a hair over the viscosity, s/cm: times a speed, the Reynolds number.
-    reynolds_per_speed: f32,
     vorticity: f32,
-    // Fixed-point units of a centimetre of hair, and of one times cm/s.
-    length_unit: f32,
+    // Fixed-point units of a gram of hair, and of one times cm/s.
+    mass_unit: f32,
     momentum_unit: f32,
     world_from_head: Pose,
     world_from_head_before: Pose,
@@ -38,4 +36,17 @@ const MAX_SPEED: f32 = 10000.0;
 // Of a cell, or of the faces below it.
 fn entry(c: vec3<u32>) -> u32 {
     return c.x + (grid.n + 1u) * (c.y + (grid.n + 1u) * c.z);
+}
+
+fn unit(axis: u32) -> vec3<f32> {
+    return select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
+}
+
+fn step_of(axis: u32) -> vec3<u32> {
+    return select(vec3<u32>(0u), vec3<u32>(1u), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
+}
+
+// Of item of side^3, x fastest.
+fn item_cell(item: u32, side: u32) -> vec3<u32> {
+    return vec3<u32>(item % side, (item / side) % side, item / (side * side));
 }

@@ -1,4 +1,4 @@
-// Hair as what stops the air: its length and its momentum in every cell. Twin of sim/src/wind/hair.rs.
+// Hair as what slows the air: its mass and its momentum in every cell. Twin of sim/src/wind/hair.rs.
 //
 // One thread takes one vertex of a guide and gives the hair that it stands for to the eight cells around it, in whole
 // numbers, so that the sums do not depend on the order.
@@ -9,20 +9,21 @@ struct Hair {
     // Guides that are taken: every `stride`-th.
     n_taken: u32,
     stride: u32,
-    // Hairs that a taken guide stands for.
-    weight: f32,
+    // Guides that a taken one stands for.
+    each: f32,
     // 1 over the seconds since the positions before; 0 where there are none.
     per_sec: f32,
 }
 
 @group(0) @binding(auto) var<uniform> hair: Hair;
+// Mass at each vertex of which the wind takes hold, g.
+@group(0) @binding(auto) var<storage, read> windage: array<f32>;
 @group(0) @binding(auto) var<storage, read> positions: array<vec4<f32>>;
 @group(0) @binding(auto) var<storage, read_write> positions_before: array<vec4<f32>>;
-// Four a cell: length, then momentum along x, y and z.
+// Four a cell: mass, then momentum along x, y and z.
 @group(0) @binding(auto) var<storage, read_write> hair_cells: array<atomic<i32>>;
 
 const FASTEST = 2000.0;
-const LONGEST = 10.0;
 
 fn is_sane(p: vec3<f32>) -> bool {
     return abs(p.x) < 1e5 && abs(p.y) < 1e5 && abs(p.z) < 1e5;
@@ -34,23 +35,18 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
     if item >= hair.n_taken * hair.n_vertices {
         return;
     }
-    let k = item % hair.n_vertices;
-    let idx = (item / hair.n_vertices) * hair.stride * hair.n_vertices + k;
+    let idx = item / hair.n_vertices * hair.stride * hair.n_vertices + item % hair.n_vertices;
     let p = positions[idx].xyz;
     let before = positions_before[idx].xyz;
     positions_before[idx] = vec4<f32>(p, 0.0);
-    if k == 0u || !is_sane(p) {
+    if !is_sane(p) {
         return;
     }
     var v = vec3<f32>(0.0);
     if is_sane(before) {
         v = clamp((p - before) * hair.per_sec, vec3<f32>(-FASTEST), vec3<f32>(FASTEST));
     }
-    var length_here = 0.0;
-    let below = positions[idx - 1u].xyz;
-    if is_sane(below) {
-        length_here = hair.weight * min(distance(p, below), LONGEST);
-    }
+    let mass_here = hair.each * windage[idx];
     let in_cells = (p - grid.min) / grid.cell - 0.5;
     let corner = floor(in_cells);
     let t = in_cells - corner;
@@ -61,9 +57,9 @@ fn splat(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
             continue;
         }
         let share = mix(1.0 - t, t, vec3<f32>(offset));
-        let here = length_here * share.x * share.y * share.z;
+        let here = mass_here * share.x * share.y * share.z;
         let cell = 4u * entry(vec3<u32>(at));
-        atomicAdd(&hair_cells[cell], i32(round(here * grid.length_unit)));
+        atomicAdd(&hair_cells[cell], i32(round(here * grid.mass_unit)));
         let momentum = vec3<i32>(round(here * v * grid.momentum_unit));
         atomicAdd(&hair_cells[cell + 1u], momentum.x);
         atomicAdd(&hair_cells[cell + 2u], momentum.y);

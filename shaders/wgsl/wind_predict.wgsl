@@ -2,7 +2,7 @@
 // Twin of sim/src/wind/predict.rs, function by function; that file says why each step is as it is.
 #import lorelei::sim_pose::{pose_apply, pose_apply_inverse}
 #import lorelei::sim_contact::{contact, capsules, field_sample, capsule_nearest}
-#import lorelei::wind_grid::{grid, entry, MAX_SPEED}
+#import lorelei::wind_grid::{grid, entry, item_cell, step_of, unit, MAX_SPEED}
 #import lorelei::wind_free::{free, free_air, body}
 
 // Speeds through the lower faces, as the last frame left them.
@@ -23,14 +23,6 @@ const IN_LOSS = 2.0;
 const CALM_CURL = 20.0;
 const FASTEST_HEAD = 1000.0;
 const LEAST_OPEN = 0.02;
-
-fn unit(axis: u32) -> vec3<f32> {
-    return select(vec3<f32>(0.0), vec3<f32>(1.0), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
-}
-
-fn step_of(axis: u32) -> vec3<u32> {
-    return select(vec3<u32>(0u), vec3<u32>(1u), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
-}
 
 // Velocity in the last frame at a place.
 fn air_before(p: vec3<f32>) -> vec3<f32> {
@@ -144,7 +136,7 @@ fn head_velocity(p: vec3<f32>) -> vec3<f32> {
     return clamp((p - before) / grid.dt_secs, vec3<f32>(-FASTEST_HEAD), vec3<f32>(FASTEST_HEAD));
 }
 
-// Hair in a cell, in units of length (x) and of momentum along an axis (y).
+// Hair in a cell, in units of mass (x) and of momentum along an axis (y).
 fn hair_in(c: vec3<i32>, axis: u32) -> vec2<f32> {
     if any(c < vec3<i32>(0)) || any(c >= vec3<i32>(i32(grid.n))) {
         return vec2<f32>(0.0);
@@ -167,10 +159,9 @@ fn predict_face(c: vec3<u32>, axis: u32) -> vec2<f32> {
     var pull = 1.0;
     let hair = hair_in(below, axis) + hair_in(above, axis);
     if hair.x > 0.0 && grid.hair_drag > 0.0 {
-        let density = 0.5 * hair.x / (grid.length_unit * grid.cell * grid.cell * grid.cell);
-        let hair_speed = (hair.y / grid.momentum_unit) / (hair.x / grid.length_unit);
-        let reynolds = grid.reynolds_per_speed * abs(v - hair_speed);
-        let k = grid.dt_secs * grid.hair_drag * density * (0.5 * reynolds + 5.0 * pow(max(reynolds, 1.0), 0.33333333));
+        let density = 0.5 * hair.x / (grid.mass_unit * grid.cell * grid.cell * grid.cell);
+        let hair_speed = (hair.y / grid.momentum_unit) / (hair.x / grid.mass_unit);
+        let k = grid.dt_secs * grid.hair_drag * density;
         pulled += k * hair_speed;
         pull += k;
     }
@@ -207,10 +198,6 @@ fn predict_face(c: vec3<u32>, axis: u32) -> vec2<f32> {
         push *= 2.0 * (1.0 - held);
     }
     return vec2<f32>(speed, push);
-}
-
-fn item_cell(item: u32, side: u32) -> vec3<u32> {
-    return vec3<u32>(item % side, (item / side) % side, item / (side * side));
 }
 
 @compute @workgroup_size(64)

@@ -1,6 +1,6 @@
 // The pressure that leaves the air without divergence: multigrid. Twin of sim/src/wind/pressure.rs, function by
 // function; that file says why.
-#import lorelei::wind_grid::{grid, entry}
+#import lorelei::wind_grid::{grid, entry, item_cell, step_of}
 
 struct Levels {
     // Cells along a side, and the first entry, of every level; the finest first.
@@ -118,11 +118,8 @@ fn restrict_to(level: u32, c: vec3<u32>) {
     var high = vec3<f32>(0.0);
     for (var axis = 0u; axis < 3u; axis++) {
         low[axis] = mean_openness(level, fine, axis);
-        var other = fine;
-        other[axis] += 2u;
-        high[axis] = mean_openness(level, other, axis);
-        var next = c;
-        next[axis] += 1u;
+        high[axis] = mean_openness(level, fine + 2u * step_of(axis), axis);
+        let next = c + step_of(axis);
         if next[axis] == n {
             openness[at_level(level + 1u, next)][axis] = high[axis];
         }
@@ -159,9 +156,8 @@ fn prolong(level: u32, c: vec3<u32>) {
                     weight *= 1.0 - openness[from_cell][axis];
                 }
                 if neighbour[axis] >= n {
-                    var last = vec3<u32>(inside);
-                    last[axis] += 1u;
-                    weight *= 1.0 - openness[at_level(level + 1u, last)][axis];
+                    let last = at_level(level + 1u, vec3<u32>(inside) + step_of(axis));
+                    weight *= 1.0 - openness[last][axis];
                 }
             }
             sum += weight * pressure[from_cell];
@@ -170,10 +166,6 @@ fn prolong(level: u32, c: vec3<u32>) {
     if weights > 0.0 {
         pressure[at] += sum / weights;
     }
-}
-
-fn item_cell(item: u32, side: u32) -> vec3<u32> {
-    return vec3<u32>(item % side, (item / side) % side, item / (side * side));
 }
 
 // Of one colour of a level: item of n * n * ceil(n / 2).
@@ -281,9 +273,7 @@ fn pushed(c: vec3<u32>, axis: u32) -> f32 {
         difference += pressure[at];
     }
     if c[axis] > 0u {
-        var below = c;
-        below[axis] -= 1u;
-        difference -= pressure[entry(below)];
+        difference -= pressure[entry(c - step_of(axis))];
     }
     return predicted[at][axis] - openness[at][axis] * difference;
 }
@@ -297,13 +287,11 @@ fn project(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups
     var low = vec3<f32>(0.0);
     var middle = vec3<f32>(0.0);
     for (var axis = 0u; axis < 3u; axis++) {
-        let others = select(c, vec3<u32>(0u), vec3<u32>(0u, 1u, 2u) == vec3<u32>(axis));
+        let others = c * (1u - step_of(axis));
         if all(others < vec3<u32>(grid.n)) {
             low[axis] = pushed(c, axis);
             if c[axis] < grid.n {
-                var above = c;
-                above[axis] += 1u;
-                middle[axis] = 0.5 * (low[axis] + pushed(above, axis));
+                middle[axis] = 0.5 * (low[axis] + pushed(c + step_of(axis), axis));
             }
         }
     }

@@ -16,9 +16,6 @@ use crate::wind::cpu::HairLayer;
 use crate::wind::gpu::GpuHairLayer;
 use crate::wind::{AirGrid, CpuWind, FreeAir, GpuWind, WindFrame};
 
-/// Hairs of a head, shared out to all guides: what is drawn are fewer and thicker ones.
-const HAIRS_OF_A_HEAD: f32 = 100_000.0;
-
 /// The air around the groom; a clone is cheap.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Air {
@@ -45,32 +42,6 @@ pub(crate) fn module(settings: &SimulationSettings) -> &'static str {
         Wind::Off => "sim_air_off",
         Wind::Uniform => "sim_air_uniform",
         Wind::Grid => "sim_air_grid",
-    }
-}
-
-/// The hair of a layer, as the grid is stopped by it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct HairAmount {
-    pub n_hairs: f32,
-    /// Of all of them together, centimetres.
-    pub length_cm: f32,
-}
-
-impl HairAmount {
-    /// Of all layers at rest: each of their guides stands for as many hairs of a head.
-    pub fn of_all<'a>(rests: impl Iterator<Item = &'a Rest> + Clone) -> Vec<Self> {
-        let n_guides = rests.clone().map(Rest::n_guides).sum();
-        rests.map(|rest| Self::new(rest, n_guides)).collect()
-    }
-
-    fn new(rest: &Rest, n_guides_of_all: usize) -> Self {
-        let n_guides = rest.n_guides();
-        let n_hairs = HAIRS_OF_A_HEAD * n_guides as f32 / n_guides_of_all.max(1) as f32;
-        let n = rest.n_vertices.max(1) as usize;
-        let length: f32 = (rest.vertices.chunks_exact(n).flat_map(|guide| guide.windows(2)))
-            .map(|edge| (edge[1] - edge[0]).truncate().length().min(10.0))
-            .sum();
-        Self { n_hairs, length_cm: n_hairs * length / n_guides.max(1) as f32 }
     }
 }
 

@@ -6,7 +6,7 @@ use lorelei_core::guides::GuideSet;
 use lorelei_core::moved::{Follow, MovedHair};
 use lorelei_core::simulation::SimulationSettings;
 
-use crate::air::{AirFrame, CpuAir, HairAmount};
+use crate::air::{AirFrame, CpuAir};
 use crate::clock::{Clock, Frame};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::follow::Following;
@@ -14,7 +14,7 @@ use crate::layer::SimulatedLayer;
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::pull::{Pull, PullParams};
-use crate::rest::Rest;
+use crate::rest::{Rest, Windage};
 use crate::state::SolverState;
 use crate::volume::VolumeGrid;
 use crate::wind::CpuWind;
@@ -26,7 +26,7 @@ pub struct CpuSolver {
     /// Of every layer: its guides, where what moves are others, and where they are shown.
     followed: Vec<Option<(Following, Vec<Vec4>)>>,
     /// Of every layer.
-    hair: Vec<HairAmount>,
+    windage: Vec<Windage>,
     field: Option<DistanceField>,
     capsules: Vec<Capsule>,
     volume: Option<VolumeGrid>,
@@ -56,7 +56,11 @@ impl CpuSolver {
         };
         let volume = volume_of(&layers, settings);
         let mut solver = Self {
-            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.rest)),
+            windage: layers
+                .iter()
+                .zip(hair)
+                .map(|(layer, hair)| layer.windage(hair.g_per_cm, settings.moved))
+                .collect(),
             air: CpuAir::default(),
             followed: hair.iter().map(followed).collect(),
             layers,
@@ -103,6 +107,11 @@ impl CpuSolver {
     /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
     pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
         self.layers[layer_idx].set_ties(ties, &self.settings, self.pose);
+    }
+
+    /// A layer is more hair or less: see [`MovedHair::g_per_cm`].
+    pub fn set_g_per_cm(&mut self, layer_idx: usize, g_per_cm: f32) {
+        self.windage[layer_idx] = self.layers[layer_idx].windage(g_per_cm, self.settings.moved);
     }
 
     /// Room that the hair took when the last frame began, cm3; `None` where nobody counts it.
@@ -230,11 +239,11 @@ impl CpuSolver {
         let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
         let air_frame = AirFrame { settings, obstacles, pose, jumped, frame_secs };
         let rests: Vec<&Rest> = self.layers.iter().map(|layer| &layer.rest).collect();
-        let hair = self.layers.iter().zip(&self.hair).map(|(layer, &HairAmount { n_hairs, length_cm })| HairLayer {
+        let hair = self.layers.iter().zip(&self.windage).map(|(layer, windage)| HairLayer {
             n_vertices: layer.rest.n_vertices,
             positions: &layer.shown,
-            n_hairs,
-            length_cm,
+            windage: &windage.of_vertices,
+            g: windage.g,
         });
         let hair: Vec<HairLayer<'_>> = hair.collect();
         let air = self.air.advance(air_frame, &rests, &hair);

@@ -8,10 +8,10 @@ use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
 use lorelei_core::moved::{Follow, MovedHair};
-use lorelei_core::simulation::{SimulationSettings, Solver};
+use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
-use crate::air::{AirFrame, GpuAir, HairAmount, module};
+use crate::air::{AirFrame, GpuAir, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from, faces_of};
 use crate::follow::{Followed, Following};
@@ -165,8 +165,8 @@ pub struct GpuSolver {
     /// Where some layer's guides follow other curves.
     follow: Option<Kernel>,
     layers: Vec<Layer>,
-    /// Of every layer.
-    hair: Vec<HairAmount>,
+    /// Of every layer what [`Windage`](crate::rest::Windage) says, and how much it is together, g.
+    windage: Vec<(wgpu::Buffer, f32)>,
     field: Option<DistanceField>,
     field_faces: wgpu::Buffer,
     capsules: Vec<Capsule>,
@@ -220,7 +220,9 @@ impl GpuSolver {
         Ok(Self {
             kernel,
             follow,
-            hair: HairAmount::of_all(layers.iter().map(|layer| &layer.model.rest)),
+            windage: (layers.iter().zip(hair))
+                .map(|(layer, hair)| windage_of(gpu, layer, hair.g_per_cm, settings.moved))
+                .collect(),
             air: GpuAir::default(),
             layers,
             field: field.cloned(),
@@ -274,6 +276,11 @@ impl GpuSolver {
         if layer.model.set_ties(ties, &self.settings, self.pose) {
             layer.send_rest(&self.gpu);
         }
+    }
+
+    /// A layer is more hair or less: see [`MovedHair::g_per_cm`].
+    pub fn set_g_per_cm(&mut self, layer_idx: usize, g_per_cm: f32) {
+        self.windage[layer_idx] = windage_of(&self.gpu, &self.layers[layer_idx], g_per_cm, self.settings.moved);
     }
 
     /// Hair against hair, before the steps of a frame.
@@ -452,12 +459,12 @@ impl GpuSolver {
         let (settings, pose, jumped) = (&self.settings, frame.shown, frame.carry.is_some());
         let air_frame = AirFrame { settings, obstacles, pose, jumped, frame_secs };
         let rests: Vec<&Rest> = self.layers.iter().map(|layer| &layer.model.rest).collect();
-        let hair = self.layers.iter().zip(&self.hair).map(|(layer, &HairAmount { n_hairs, length_cm })| GpuHairLayer {
+        let hair = self.layers.iter().zip(&self.windage).map(|(layer, (windage, g))| GpuHairLayer {
             n_guides: layer.model.n_guides() as u32,
             n_vertices: layer.model.rest.n_vertices,
             positions: &layer.positions,
-            n_hairs,
-            length_cm,
+            windage,
+            g: *g,
         });
         let hair: Vec<GpuHairLayer<'_>> = hair.collect();
         self.air.advance((&self.gpu, &self.library), encoder, air_frame, &contact, &rests, &hair)?;
@@ -534,6 +541,11 @@ impl GpuSolver {
         // A law has its own parameters, and still air has none.
         self.kernel.bind_used(&self.gpu, &resources)
     }
+}
+
+fn windage_of(gpu: &Gpu, layer: &Layer, g_per_cm: f32, moved: Moved) -> (wgpu::Buffer, f32) {
+    let windage = layer.model.windage(g_per_cm, moved);
+    (gpu.buffer_of("sim.windage", &windage.of_vertices, wgpu::BufferUsages::STORAGE), windage.g)
 }
 
 fn volume_of(

@@ -3,7 +3,7 @@
 
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::guides::GuideSet;
-use lorelei_core::simulation::{RestShape, SimulationSettings, Solver};
+use lorelei_core::simulation::{Moved, RestShape, SimulationSettings, Solver};
 use rayon::prelude::*;
 
 use crate::air::Air;
@@ -13,9 +13,10 @@ use crate::contact::Obstacles;
 use crate::lanes::Lanes;
 use crate::pose::Pose;
 use crate::pull::PullParams;
-use crate::rest::{Hold, Rest};
+use crate::rest::{Hold, Rest, Windage};
 use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodVertex, step_rod};
 use crate::rod_rest::{self, RodRest};
+use crate::volume::shares_of;
 
 /// Guides, and how they move.
 #[derive(Debug, Clone)]
@@ -166,6 +167,15 @@ impl SimulatedLayer {
 
     pub fn n_guides(&self) -> usize {
         self.rest.n_guides()
+    }
+
+    /// What the air takes hold of: see [`Rest::windage`]. A strand stands for itself, a guide for the hair around it.
+    pub(crate) fn windage(&self, g_per_cm: f32, moved: Moved) -> Windage {
+        let shares = match moved {
+            Moved::Guides | Moved::Mesh | Moved::Rope => shares_of(&self.rest),
+            Moved::Strands => vec![1.0; self.n_guides()],
+        };
+        self.rest.windage(g_per_cm, &shares, self.hold)
     }
 
     pub(crate) fn is_of_rods(&self) -> bool {

@@ -15,6 +15,8 @@ const SLACK: f32 = 1e-3;
 const SHELTER: f32 = 4.0;
 /// Times its length, where the hold has faded to a thousandth and ends.
 const HOLD_ENDS: f32 = 7.0;
+/// Longest edge that counts for the air, cm.
+const LONGEST: f32 = 10.0;
 /// How fast what is tied springs back to the style, Hz.
 const TIE: f32 = 12.0;
 /// Share of a strand over which a tie ends.
@@ -27,6 +29,15 @@ pub struct Exposure {
     pub hold: f32,
     /// Share of the wind that it feels.
     pub wind: f32,
+}
+
+/// Hair of which the wind takes hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Windage {
+    /// Mass at each vertex, g.
+    pub of_vertices: Vec<f32>,
+    /// Of all of them.
+    pub g: f32,
 }
 
 /// The hold of the roots to the style: it falls off along the strand.
@@ -97,6 +108,21 @@ impl Rest {
             distances.into_iter().map(of).collect()
         };
         self.vertices.par_chunks(n).enumerate().flat_map_iter(of_strand).collect()
+    }
+
+    /// Mass of hair at each vertex of which the wind takes hold, g: what lies in the lee of its neighbours slows the air as
+    /// little as it feels of it. `g_per_cm` is of all guides side by side, `shares` of each over that of the mean.
+    pub fn windage(&self, g_per_cm: f32, shares: &[f32], hold: Hold) -> Windage {
+        let n = self.n_vertices.max(1) as usize;
+        let g_per_cm = bounded(g_per_cm, 0.0, 0.0, 1e6) / self.n_guides().max(1) as f32;
+        let edge = |a: usize, b: usize| self.vertices[a].xyz().distance(self.vertices[b].xyz()).min(LONGEST);
+        let mass = |(idx, exposure): (usize, Exposure)| {
+            let below = if idx % n > 0 { edge(idx - 1, idx) } else { 0.0 };
+            let above = if idx % n + 1 < n { edge(idx, idx + 1) } else { 0.0 };
+            g_per_cm * shares[idx / n] * exposure.wind * 0.5 * (below + above)
+        };
+        let of_vertices: Vec<f32> = self.exposures(hold).into_iter().enumerate().map(mass).collect();
+        Windage { g: of_vertices.iter().sum(), of_vertices }
     }
 
     pub fn n_guides(&self) -> usize {

@@ -13,6 +13,7 @@ use lorelei_shaders::Gpu;
 use serde_json::json;
 
 use super::scene::{Scene, SceneArguments, parse_look};
+use super::wind_source::{self, SourceArgument};
 use super::{CliError, check_png, make_folder_of, print_line};
 use crate::stage::pacer::Detail;
 use crate::stage::shown::Shown;
@@ -44,6 +45,12 @@ pub struct RenderArguments {
     /// How long it moves before the picture is taken.
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     seconds: Option<f32>,
+    /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
+    /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
+    /// becomes a grid, unless --set wind=NAME says otherwise. Such as fan,45,0,20,speed=800;
+    /// it blows while --seconds pass.
+    #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true, requires = "seconds")]
+    wind_sources: Vec<SourceArgument>,
     /// Another look beside the groom's own: KEY=VALUE changes the groom's, a file or a name replaces it; one after the
     /// other where there are several.
     #[arg(long, value_name = "LOOK|KEY=VALUE", num_args = 1.., conflicts_with = "repeat")]
@@ -158,7 +165,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if arguments.turntable.is_none() {
         check_png(&arguments.out)?;
     }
-    let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size)?;
+    let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
     let Movement { motion, .. } = groom.movement;
     groom.movement.motion = arguments.motion.unwrap_or(motion);
 

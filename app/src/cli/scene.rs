@@ -56,11 +56,6 @@ pub struct SceneArguments {
     /// `lorelei looks` lists them.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = set::parse_assignment)]
     assignments: Vec<(String, String)>,
-    /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
-    /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
-    /// becomes a grid, unless --set wind=NAME says otherwise. Such as fan,45,0,20,speed=800.
-    #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true)]
-    wind_sources: Vec<SourceArgument>,
 }
 
 /// A groom as it is to be drawn, from where, and what is to be said about it.
@@ -71,8 +66,8 @@ pub struct Scene {
 }
 
 impl SceneArguments {
-    /// Read what the arguments name. `size`: of the picture, in pixels.
-    pub fn read(&self, size: [u32; 2]) -> Result<Scene, CliError> {
+    /// Read what the arguments name, with what blows besides. `size`: of the picture, in pixels.
+    pub fn read(&self, size: [u32; 2], wind_sources: &[SourceArgument]) -> Result<Scene, CliError> {
         let (mut groom, mut warnings) = self.groom()?;
         if let Some(look) = &self.look {
             groom.look.clone_from(look);
@@ -82,7 +77,7 @@ impl SceneArguments {
             let edit = groom.lit_by(panorama);
             groom.apply(edit).map_err(CliError::failed)?;
         }
-        wind_source::apply(&mut groom, &self.wind_sources);
+        wind_source::apply(&mut groom, wind_sources);
         set::apply(&mut groom, &self.assignments)?;
         if let Some(n_strands) = self.strands {
             set_strand_count(&mut groom, n_strands);

@@ -57,7 +57,7 @@ pub fn run(arguments: &SheetArguments) -> Result<(), CliError> {
     if let (SlotArgument::One(_), Some(out)) = (&arguments.slot, &arguments.out) {
         super::check_png(out)?;
     }
-    let scene = arguments.scene.read(arguments.size)?;
+    let scene = arguments.scene.read(arguments.size, &[])?;
     for warning in &scene.warnings {
         eprintln!("warning: {warning}");
     }

@@ -19,6 +19,7 @@ use serde_json::json;
 
 use super::render::{parse_motion, parse_seconds, parse_size};
 use super::scene::{Scene, SceneArguments};
+use super::wind_source::{self, SourceArgument};
 use super::{CliError, check_png, make_folder_of, print_line};
 use crate::movement::file::{Contents, EXTENSION, Writer};
 use crate::movement::filmstrip::{filmstrip, frames_of};
@@ -57,6 +58,11 @@ pub struct SimulateArguments {
     /// How long it rests then, after the motion has gone on to its end.
     #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds)]
     rest: f32,
+    /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
+    /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
+    /// becomes a grid, unless --set wind=NAME says otherwise. Such as fan,45,0,20,speed=800.
+    #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true)]
+    wind_sources: Vec<SourceArgument>,
     /// Let this much time pass before the first frame.
     #[arg(long, value_name = "S", value_parser = parse_seconds)]
     warm_up: Option<f32>,
@@ -146,7 +152,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.filmstrip {
         check_png(path)?;
     }
-    let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size)?;
+    let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
     arguments.set_movement(&mut groom)?;
     if !arguments.json {
         for warning in &warnings {

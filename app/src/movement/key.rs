@@ -2,6 +2,7 @@
 //! movement. Whatever only changes the picture (look, lights, style, camera) is not in it.
 
 use lorelei_core::motion::Movement;
+use lorelei_core::simulation::Wind;
 
 use super::{Course, Subject};
 
@@ -13,6 +14,9 @@ pub fn key_of(subject: &Subject, course: &Course, movement: &Movement) -> u128 {
         key.word(hair.curves.n_vertices);
         key.floats(hair.curves.positions.iter().flat_map(glam::Vec3::to_array));
         key.floats(hair.ties.iter().copied());
+        if course.settings.wind == Wind::Grid {
+            key.floats([hair.g_per_cm]);
+        }
         key.word(hair.n_shown() as u32);
     }
     if let Some(field) = &subject.field {

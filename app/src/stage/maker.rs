@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::groom::Layer;
-use lorelei_core::moved::{MovedHair, n_moved};
+use lorelei_core::moved::{MovedHair, g_per_cm, n_moved};
 use lorelei_core::simulation::{Moved, SimulationSettings};
 use lorelei_shaders::{Gpu, ShaderError, ShaderLibrary};
 use lorelei_sim::GpuSolver;
@@ -61,6 +61,20 @@ impl Maker {
                 spare.set_ties(layer_idx, &binding.guide_ties());
             }
         }
+    }
+
+    /// Only how much hair there is has changed; a solver that is in use is told by whoever uses it.
+    pub fn set_masses(&mut self, layers: &[LayerHair]) {
+        for (layer_idx, (layer, binding)) in layers.iter().enumerate() {
+            let g_per_cm = g_per_cm(layer, binding);
+            if let Some(hair) = &mut self.hair {
+                Arc::make_mut(hair)[layer_idx].g_per_cm = g_per_cm;
+            }
+            if let Some(spare) = &mut self.spare {
+                spare.set_g_per_cm(layer_idx, g_per_cm);
+            }
+        }
+        self.is_stale |= self.job.is_some();
     }
 
     /// Keep a solver of the present hair.

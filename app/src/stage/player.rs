@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::motion::{AtEnd, HeadPose, Movement};
-use lorelei_core::moved::{moved_vertices, n_moved};
+use lorelei_core::moved::{g_per_cm, moved_vertices, n_moved};
 use lorelei_core::simulation::{Moved, SimulationSettings, Wind};
 use lorelei_render::MovedLayer;
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
@@ -147,7 +147,18 @@ impl Player {
         };
         let has_same_curves = is_same_moved && all_alike(&|a, b| moves_alike(moved, a, b));
         let has_same_ties = all_alike(&|(_, a), (_, b)| Arc::ptr_eq(a, b) || a.guide_ties() == b.guide_ties());
-        if has_same_curves && has_same_ties && has_same_frames {
+        let mass_of = |(layer, binding): &LayerHair| g_per_cm(layer, binding);
+        let has_same_masses = all_alike(&|a, b| mass_of(a) == mass_of(b));
+        if has_same_curves && !has_same_masses {
+            self.maker.set_masses(&self.layers);
+            if let Some(moving) = &mut self.moving {
+                for (layer_idx, layer) in self.layers.iter().enumerate() {
+                    moving.solver.set_g_per_cm(layer_idx, mass_of(layer));
+                }
+            }
+        }
+        let has_same_air = has_same_masses || self.score.course.settings.wind != Wind::Grid;
+        if has_same_curves && has_same_ties && has_same_air && has_same_frames {
             return Ok(too_much);
         }
         self.forget_frames();

@@ -3,14 +3,14 @@
 //! A dot in the middle selects and moves; a selected one has a dot at each end that moves it and a square on each rim
 //! that sets its radius. All move in the plane of the picture.
 
-use egui::{Align2, Color32, CursorIcon, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Pos2, Stroke, Ui};
 use glam::Vec3;
-use lorelei_core::camera::Camera;
 use lorelei_core::collider::Collider;
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 
 use super::desk::{Desk, Selection};
+use super::handles::{Grip, GripShape, picture_plane};
 use super::projection::Projection;
 use super::theme;
 
@@ -53,26 +53,21 @@ pub fn colliders(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
             }
         }
         for (part_idx, (part, at_world)) in parts.into_iter().enumerate() {
-            let Some(at) = projection.point(at_world) else { continue };
             let id = ui.scope_id().with(("collider", collider_idx, part_idx));
-            let response = ui.interact(Rect::from_center_size(at, vec2(20.0, 20.0)), id, Sense::click_and_drag());
+            let shape = match part {
+                Part::Whole => GripShape::Dot,
+                Part::End(_) => GripShape::Ring,
+                Part::Rim(_) => GripShape::Square,
+            };
+            let label = (part == Part::Whole).then(|| format!("{}  {:.1} cm", collider.name, collider.radii[0]));
+            let grip = Grip { place: at_world, id, shape, is_selected, is_on: collider.on, label };
             let name = || format!("collider {collider_idx} {part:?}");
-            super::state_report::mark(ui.ctx(), name, response.rect);
-            let is_active = response.hovered() || response.dragged();
-            dot(ui, at, part, is_selected, is_active);
-            if is_active {
-                ui.ctx().set_cursor_icon(if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Grab });
-                if part == Part::Whole {
-                    label(ui, at, &collider);
-                }
-            }
-            if response.clicked() || response.drag_started() {
+            let Some(gripped) = grip.ui(ui, &desk.camera, projection, name) else { continue };
+            if gripped.is_taken {
                 desk.selection = Selection::Collider(collider_idx);
             }
-            is_dragging |= response.dragged();
-            let drag = response.drag_delta();
-            if response.dragged_by(egui::PointerButton::Primary) && drag != egui::Vec2::ZERO {
-                let by = projection.cm_per_point(at_world) * (drag.x * right - drag.y * up);
+            is_dragging |= gripped.is_dragged;
+            if let Some(by) = gripped.by {
                 let by = world_from_ends.inverse().transform_vector3(by);
                 let along = world_from_ends.inverse().transform_vector3(right);
                 let mut colliders = desk.document.groom.simulation.colliders.clone();
@@ -103,12 +98,6 @@ fn move_part(collider: &mut Collider, part: Part, by: Vec3, along: Vec3) -> &'st
             "Resize"
         }
     }
-}
-
-/// What is right and up in the picture, world.
-fn picture_plane(camera: &Camera) -> (Vec3, Vec3) {
-    let world_from_view = camera.view_from_world().inverse();
-    (world_from_view.x_axis.truncate().normalize_or(Vec3::X), world_from_view.y_axis.truncate().normalize_or(Vec3::Y))
 }
 
 /// The outline of two balls and what is between them, as seen: the hull of two circles.
@@ -159,35 +148,11 @@ fn draw(ui: &Ui, outline: &[Pos2], is_selected: bool, is_on: bool) {
     ui.painter().add(egui::Shape::convex_polygon(outline.to_vec(), fill, stroke));
 }
 
-fn dot(ui: &Ui, at: Pos2, part: Part, is_selected: bool, is_active: bool) {
-    let painter = ui.painter();
-    let colour = if is_active || is_selected { theme::ACCENT } else { Color32::from_gray(215) };
-    let radius = if is_active { 6.5 } else { 5.0 };
-    match part {
-        Part::Whole | Part::End(_) => {
-            painter.circle_filled(at, radius + 1.5, Color32::from_black_alpha(110));
-            let fill = if part == Part::Whole { colour } else { Color32::from_black_alpha(60) };
-            painter.circle(at, radius - 1.0, fill, Stroke::new(1.4, colour));
-        }
-        Part::Rim(_) => {
-            let square = Rect::from_center_size(at, vec2(1.7 * radius, 1.7 * radius));
-            painter.rect_filled(square.expand(1.5), 2.0, Color32::from_black_alpha(110));
-            painter.rect_filled(square, 1.0, colour);
-        }
-    }
-}
-
-fn label(ui: &Ui, at: Pos2, collider: &Collider) {
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let text = format!("{}  {:.1} cm", collider.name, collider.radii[0]);
-    for (offset, colour) in [(1.0, Color32::from_black_alpha(180)), (0.0, theme::TEXT_STRONG)] {
-        let place = pos2(at.x + offset, at.y - 16.0 + offset);
-        ui.painter().text(place, Align2::CENTER_CENTER, &text, font.clone(), colour);
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use egui::{Rect, pos2, vec2};
+    use lorelei_core::camera::Camera;
+
     use super::*;
 
     #[test]

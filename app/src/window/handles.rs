@@ -1,8 +1,9 @@
-//! What can be grabbed in the viewport: a disc for each light on a sphere around the head, and a handle at
-//! the neck.
+//! What can be grabbed in the viewport: a disc for each light on a sphere around the head, a handle at the neck, and grips
+//! of whatever else stands in the scene.
 
 use egui::{Align2, Color32, CursorIcon, Rect, Sense, Stroke, Ui, vec2};
 use glam::Vec3;
+use lorelei_core::camera::Camera;
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 
@@ -116,17 +117,7 @@ fn disc(
     let ring = if is_selected { theme::ACCENT } else { Color32::from_gray(200) };
     painter.circle_stroke(at, radius, Stroke::new(if is_selected { 2.0 } else { 1.2 }, ring.gamma_multiply(strength)));
     if is_active || is_selected {
-        let font = egui::TextStyle::Small.resolve(ui.style());
-        let text = format!("{}  {:.1}", light.name, light.intensity);
-        let place = at + vec2(0.0, -radius - 9.0);
-        painter.text(
-            place + vec2(1.0, 1.0),
-            Align2::CENTER_CENTER,
-            &text,
-            font.clone(),
-            Color32::from_black_alpha(180),
-        );
-        painter.text(place, Align2::CENTER_CENTER, text, font, theme::TEXT_STRONG);
+        text_above(ui, at, radius + 9.0, &format!("{}  {:.1}", light.name, light.intensity));
     }
 }
 
@@ -144,6 +135,94 @@ fn outline(ui: &Ui, desk: &Desk, projection: Projection) {
             })
             .collect();
         ui.painter().add(egui::Shape::line(points, stroke));
+    }
+}
+
+/// How a grip looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GripShape {
+    Dot,
+    Ring,
+    Square,
+}
+
+/// A small handle of something that stands in the scene, which a drag moves in the plane of the picture.
+pub struct Grip {
+    /// World.
+    pub place: Vec3,
+    pub id: egui::Id,
+    pub shape: GripShape,
+    /// What it is of is selected; is switched on.
+    pub is_selected: bool,
+    pub is_on: bool,
+    /// Written above it while the pointer is on it.
+    pub label: Option<String>,
+}
+
+/// What the pointer does with a grip.
+pub struct Gripped {
+    /// It was clicked, or a drag begins.
+    pub is_taken: bool,
+    pub is_dragged: bool,
+    /// Where to it is dragged, world.
+    pub by: Option<Vec3>,
+}
+
+impl Grip {
+    /// Draw it and say what the pointer does with it; `None` behind the eye. `name` is what tests find it by.
+    pub fn ui(self, ui: &Ui, camera: &Camera, projection: Projection, name: impl Fn() -> String) -> Option<Gripped> {
+        let at = projection.point(self.place)?;
+        let response = ui.interact(Rect::from_center_size(at, vec2(22.0, 22.0)), self.id, Sense::click_and_drag());
+        super::state_report::mark(ui.ctx(), name, response.rect);
+        let is_active = response.hovered() || response.dragged();
+        self.draw(ui, at, is_active);
+        if is_active {
+            ui.ctx().set_cursor_icon(if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Grab });
+            if let Some(label) = &self.label {
+                text_above(ui, at, 16.0, label);
+            }
+        }
+        let drag = response.drag_delta();
+        let is_by_it = response.dragged_by(egui::PointerButton::Primary) && drag != egui::Vec2::ZERO;
+        let (right, up) = picture_plane(camera);
+        let by = is_by_it.then(|| projection.cm_per_point(self.place) * (drag.x * right - drag.y * up));
+        let is_taken = response.clicked() || response.drag_started();
+        Some(Gripped { is_taken, is_dragged: response.dragged(), by })
+    }
+
+    fn draw(&self, ui: &Ui, at: egui::Pos2, is_active: bool) {
+        let painter = ui.painter();
+        let colour = if is_active || self.is_selected { theme::ACCENT } else { Color32::from_gray(215) };
+        let colour = colour.gamma_multiply(if self.is_on { 1.0 } else { 0.5 });
+        let radius = if is_active { 6.5 } else { 5.0 };
+        let shade = Color32::from_black_alpha(110);
+        match self.shape {
+            GripShape::Dot | GripShape::Ring => {
+                painter.circle_filled(at, radius + 1.5, shade);
+                let fill = if self.shape == GripShape::Dot { colour } else { Color32::from_black_alpha(60) };
+                painter.circle(at, radius - 1.0, fill, Stroke::new(1.4, colour));
+            }
+            GripShape::Square => {
+                let square = Rect::from_center_size(at, vec2(1.7 * radius, 1.7 * radius));
+                painter.rect_filled(square.expand(1.5), 2.0, shade);
+                painter.rect_filled(square, 1.0, colour);
+            }
+        }
+    }
+}
+
+/// What is right and up in the picture, world.
+pub fn picture_plane(camera: &Camera) -> (Vec3, Vec3) {
+    let world_from_view = camera.view_from_world().inverse();
+    (world_from_view.x_axis.truncate().normalize_or(Vec3::X), world_from_view.y_axis.truncate().normalize_or(Vec3::Y))
+}
+
+/// A line of text so far above a place, with a shadow.
+fn text_above(ui: &Ui, at: egui::Pos2, above: f32, text: &str) {
+    let font = egui::TextStyle::Small.resolve(ui.style());
+    for (offset, colour) in [(1.0, Color32::from_black_alpha(180)), (0.0, theme::TEXT_STRONG)] {
+        let place = at + vec2(offset, offset - above);
+        ui.painter().text(place, Align2::CENTER_CENTER, text, font.clone(), colour);
     }
 }
 
@@ -199,7 +278,6 @@ pub fn drag_head(desk: &mut Desk, drag: egui::Vec2, viewport_height: f32, is_tur
 #[cfg(test)]
 mod tests {
     use egui::pos2;
-    use lorelei_core::camera::Camera;
 
     use super::*;
 

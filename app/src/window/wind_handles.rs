@@ -3,13 +3,14 @@
 //! A disc where a fan is, or the ring of a vortex, with an arrow along its axis. The dot in the middle moves it, the dot at
 //! the arrow's tip aims it; both go in the plane of the picture.
 
-use egui::{Align2, Color32, CursorIcon, Pos2, Rect, Sense, Stroke, Ui, pos2, vec2};
+use egui::{Color32, Pos2, Stroke, Ui};
 use glam::Vec3;
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 use lorelei_core::wind::WindSource;
 
 use super::desk::{Desk, Selection};
+use super::handles::{Grip, GripShape};
 use super::projection::Projection;
 use super::theme;
 
@@ -27,31 +28,24 @@ enum Part {
 
 /// The handles of every source; true while one is dragged.
 pub fn sources(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
-    let world_from_view = desk.camera.view_from_world().inverse();
-    let (right, up) = (world_from_view.x_axis.truncate(), world_from_view.y_axis.truncate());
     let mut is_dragging = false;
     for source_idx in 0..desk.document.groom.simulation.sources.len() {
         let source = desk.document.groom.simulation.sources[source_idx].tamed();
         let is_selected = desk.selection == Selection::Wind(source_idx);
         draw(ui, projection, &source, is_selected);
-        for (part, at_world) in [(Part::Place, source.place), (Part::Tip, tip_of(&source))] {
-            let Some(at) = projection.point(at_world) else { continue };
+        for (part, shape, place) in
+            [(Part::Place, GripShape::Dot, source.place), (Part::Tip, GripShape::Ring, tip_of(&source))]
+        {
             let id = ui.scope_id().with(("wind", source_idx, part == Part::Tip));
-            let response = ui.interact(Rect::from_center_size(at, vec2(22.0, 22.0)), id, Sense::click_and_drag());
-            super::state_report::mark(ui.ctx(), || format!("wind {source_idx} {part:?}"), response.rect);
-            let is_active = response.hovered() || response.dragged();
-            dot(ui, at, part, is_selected || is_active, source.on);
-            if is_active {
-                ui.ctx().set_cursor_icon(if response.dragged() { CursorIcon::Grabbing } else { CursorIcon::Grab });
-                label(ui, at, &source);
-            }
-            if response.clicked() || response.drag_started() {
+            let label = Some(format!("{}  {:.0} cm/s", source.name, source.speed));
+            let grip = Grip { place, id, shape, is_selected, is_on: source.on, label };
+            let name = || format!("wind {source_idx} {part:?}");
+            let Some(gripped) = grip.ui(ui, &desk.camera, projection, name) else { continue };
+            if gripped.is_taken {
                 desk.selection = Selection::Wind(source_idx);
             }
-            is_dragging |= response.dragged();
-            let drag = response.drag_delta();
-            if response.dragged_by(egui::PointerButton::Primary) && drag != egui::Vec2::ZERO {
-                let by = projection.cm_per_point(at_world) * (drag.x * right - drag.y * up);
+            is_dragging |= gripped.is_dragged;
+            if let Some(by) = gripped.by {
                 let mut settings = desk.document.groom.simulation.clone();
                 let what = move_part(&mut settings.sources[source_idx], part, by);
                 let id = DRAGS + 2 * source_idx as u64 + u64::from(part == Part::Tip);
@@ -114,24 +108,6 @@ pub fn arrow(painter: &egui::Painter, from: Pos2, to: Pos2, width: f32, colour: 
     let side = head.rot90() * 0.45;
     let tip = vec![to, to - head + side, to - head - side];
     painter.add(egui::Shape::convex_polygon(tip, colour, Stroke::NONE));
-}
-
-fn dot(ui: &Ui, at: Pos2, part: Part, is_lit: bool, is_on: bool) {
-    let colour = if is_lit { theme::ACCENT } else { Color32::from_gray(215) };
-    let colour = colour.gamma_multiply(if is_on { 1.0 } else { 0.5 });
-    let radius = if is_lit { 6.0 } else { 5.0 };
-    ui.painter().circle_filled(at, radius + 1.5, Color32::from_black_alpha(110));
-    let fill = if part == Part::Place { colour } else { Color32::from_black_alpha(60) };
-    ui.painter().circle(at, radius - 1.0, fill, Stroke::new(1.4, colour));
-}
-
-fn label(ui: &Ui, at: Pos2, source: &WindSource) {
-    let font = egui::TextStyle::Small.resolve(ui.style());
-    let text = format!("{}  {:.0} cm/s", source.name, source.speed);
-    for (offset, colour) in [(1.0, Color32::from_black_alpha(180)), (0.0, theme::TEXT_STRONG)] {
-        let place = pos2(at.x + offset, at.y - 16.0 + offset);
-        ui.painter().text(place, Align2::CENTER_CENTER, &text, font.clone(), colour);
-    }
 }
 
 #[cfg(test)]

@@ -5,8 +5,9 @@
 
 use std::collections::VecDeque;
 
-use egui::{Color32, Painter, Pos2, Shape, Stroke, Ui};
+use egui::{Color32, Painter, Pos2, Shape, Ui};
 use glam::{Vec3, Vec4Swizzles};
+use lorelei_core::curve::catmull_rom;
 use lorelei_core::hash::random;
 use lorelei_core::wind::WindSource;
 use lorelei_sim::wind::AirGrid;
@@ -18,10 +19,12 @@ use super::wind_handles::arrow;
 /// Arrows along each side of the box.
 const N_ARROWS: u32 = 9;
 /// Squares along each side of the slice.
-const N_SQUARES: u32 = 40;
+const N_SQUARES: u32 = 96;
 const N_TRACERS: u32 = 500;
 /// Places that a tracer's trail keeps.
 const N_TRAIL: usize = 12;
+/// Straight parts that a trail is drawn with between two of its places.
+const PARTS: usize = 3;
 /// Seconds that a tracer lives, at least; at most twice as long.
 const LIFE_SECS: f32 = 0.8;
 /// Steps of the tracers in a frame that is long, seconds each.
@@ -115,12 +118,15 @@ impl Space {
     }
 }
 
+/// The velocity at a place, and how open that is: 0 in the head.
+fn sample(air: &AirGrid, p: Vec3) -> (Vec3, f32) {
+    air.sample(p).map_or_else(|| (air.air_velocity(p), 1.0), |v| (v.xyz(), v.w))
+}
+
 /// The velocity at a place; `None` in the head.
 fn velocity_at(air: &AirGrid, p: Vec3) -> Option<Vec3> {
-    match air.sample(p) {
-        Some(v) => (v.w > 0.5).then(|| v.xyz()),
-        None => Some(air.air_velocity(p)),
-    }
+    let (v, open) = sample(air, p);
+    (open > 0.5).then_some(v)
 }
 
 /// What the colours end at: a little over the steady wind, or the fastest stream.
@@ -180,12 +186,15 @@ fn slice(
         place[u] = (i % n) as f32 / N_SQUARES as f32;
         place[v] = (i / n) as f32 / N_SQUARES as f32;
         let at = space.at(place);
-        let speed = velocity_at(air, at).map(Vec3::length);
+        let (v, open) = sample(air, at);
         let seen = projection.point(at);
-        is_seen.push(seen.is_some() && speed.is_some());
+        is_seen.push(seen.is_some());
+        // What goes through a cell goes through its open part; the picture fades out where that is small.
+        let speed = v.length() / open.max(0.5);
+        let t = ((open - 0.3) / 0.4).clamp(0.0, 1.0);
         // Calm air lets the hair through.
-        let speed = speed.unwrap_or(0.0);
-        let colour = colour_of(speed, fastest).gamma_multiply(0.35 + 0.4 * (2.0 * speed / fastest).min(1.0));
+        let strength = (0.35 + 0.4 * (2.0 * speed / fastest).min(1.0)) * t * t * (3.0 - 2.0 * t);
+        let colour = colour_of(speed, fastest).gamma_multiply(strength);
         mesh.colored_vertex(seen.unwrap_or(Pos2::ZERO), colour);
     }
     for i in 0..N_SQUARES * N_SQUARES {
@@ -234,13 +243,35 @@ impl Smoke {
     }
 
     fn draw(&self, painter: &Painter, projection: Projection) {
+        let mut mesh = egui::Mesh::default();
         for tracer in &self.tracers {
-            let fade = (tracer.left_secs / 0.3).clamp(0.0, 1.0);
-            let points: Vec<Pos2> = tracer.trail.iter().filter_map(|&p| projection.point(p)).collect();
-            for (k, pair) in points.windows(2).enumerate() {
-                let age = (k + 1) as f32 / points.len() as f32;
-                let colour = Color32::from_white_alpha((150.0 * fade * age * age) as u8);
-                painter.line_segment([pair[0], pair[1]], Stroke::new(0.8 + 1.4 * age, colour));
+            let trail: Vec<Vec3> = tracer.trail.iter().copied().collect();
+            let n_parts = PARTS * trail.len().saturating_sub(1);
+            let at = |i: usize| projection.point(catmull_rom(&trail, i as f32 / PARTS as f32));
+            let points: Vec<Pos2> = (0..=n_parts).map_while(at).collect();
+            streak(&mut mesh, &points, (tracer.left_secs / 0.3).clamp(0.0, 1.0));
+        }
+        painter.add(Shape::mesh(mesh));
+    }
+}
+
+/// A thin ribbon that fades to both sides and to both ends, one mesh without seams: strokes would overlap at every joint and
+/// show as beads.
+fn streak(mesh: &mut egui::Mesh, points: &[Pos2], strength: f32) {
+    let Some(last) = points.len().checked_sub(1).filter(|&last| last > 0) else { return };
+    for (i, &p) in points.iter().enumerate() {
+        let along = (points[(i + 1).min(last)] - points[i.saturating_sub(1)]).normalized();
+        let from_tail = i as f32 / last as f32;
+        let fade = from_tail * (6.0 * (1.0 - from_tail)).min(1.0);
+        let side = (0.9 + 0.7 * from_tail) * along.rot90();
+        let first = mesh.vertices.len() as u32;
+        mesh.colored_vertex(p - side, Color32::TRANSPARENT);
+        mesh.colored_vertex(p, Color32::from_white_alpha((170.0 * strength * fade) as u8));
+        mesh.colored_vertex(p + side, Color32::TRANSPARENT);
+        if i > 0 {
+            for (a, b) in [(first - 3, first - 2), (first - 2, first - 1)] {
+                mesh.add_triangle(a, b, a + 3);
+                mesh.add_triangle(a + 3, b, b + 3);
             }
         }
     }

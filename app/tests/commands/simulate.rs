@@ -18,7 +18,7 @@ fn curtain() -> Groom {
     for i in 0..12 {
         strands.push(&(0..10).map(|k| Vec3::new(i as f32 - 6.0, -1.5 * k as f32, 6.0)).collect::<Vec<_>>());
     }
-    let layer = Layer { n_strands: 20, ..Layer::new("a", Source::Guides(strands.into())) };
+    let layer = Layer { n_strands: 20_000, ..Layer::new("a", Source::Guides(strands.into())) };
     Groom {
         layers: vec![layer],
         movement: Movement { motion: Motion::None, ..Movement::default() },
@@ -75,4 +75,20 @@ fn a_node_of_a_file_and_a_fan_move_hair_without_a_window() {
     for json in [&slowed, &through, &free] {
         assert!(json["nan"] == 0 && json["length_error_max"].as_f64().unwrap() < 1e-3, "{json}");
     }
+
+    // In a picture too, once time has passed; where none passes, it would do nothing and is refused.
+    let picture = |name: &str, more: &[&str]| {
+        let common = ["render", "a.lorelei", "--size", "160x120", "--camera", "20,0,70", "--out", name];
+        let done = lorelei(folder, &[&common, more].concat());
+        (done.status.code(), text(&done.stderr), std::fs::read(folder.join(name)).ok())
+    };
+    let (_, _, calm) = picture("calm.png", &["--seconds", "0.3"]);
+    let (code, told, blown) = picture("blown.png", &[&fan[2..], &["--seconds", "0.3"]].concat());
+    assert_eq!(code, Some(0), "{told}");
+    let pixels = |png: Option<Vec<u8>>| image::load_from_memory(&png.unwrap()).unwrap().to_rgb8();
+    let (calm, blown) = (pixels(calm), pixels(blown));
+    let n_other = calm.pixels().zip(blown.pixels()).filter(|(a, b)| a.0[0].abs_diff(b.0[0]) > 8).count();
+    assert!(n_other > 200, "{n_other} pixels");
+    let (code, told, none) = picture("none.png", &fan[2..]);
+    assert!(code == Some(2) && told.contains("--seconds") && none.is_none(), "{told}");
 }

@@ -23,6 +23,11 @@ use crate::hair_mesh::HairMesh;
 use crate::maps::MapKind;
 use crate::simulation::Moved;
 
+/// Density of hair, g/cm3 (Robbins 2012, "Chemical and Physical Behavior of Human Hair").
+const HAIR_DENSITY: f32 = 1.32;
+/// A centimetre of a whole head of hair: 100,000 of 80 micrometres, g/cm.
+const HEAD_G_PER_CM: f32 = 6.6;
+
 /// Curves that a solver moves.
 ///
 /// Without ties nothing is tied.
@@ -32,6 +37,8 @@ pub struct MovedHair {
     pub curves: GuideSet,
     /// Share of each curve, from its root, that is tied to the style, 0-1.
     pub ties: Vec<f32>,
+    /// Mass of a centimetre of all the hair that the curves stand for together, g/cm.
+    pub g_per_cm: f32,
     pub follow: Follow,
 }
 
@@ -79,19 +86,28 @@ impl MovedHair {
     /// What is moved of a layer that is bound; `field` is the head's, in head space. A layer that is no hair mesh has
     /// nothing but guides to move instead.
     pub fn new(moved: Moved, layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
-        match (moved, &layer.source) {
+        let hair = match (moved, &layer.source) {
             (Moved::Strands, _) => Self::of_strands(layer, binding, field),
             (Moved::Mesh, Source::HairMesh(mesh)) => Self::of_hair_mesh(mesh, binding, false),
             (Moved::Rope, Source::HairMesh(mesh)) => Self::of_hair_mesh(mesh, binding, true),
-            (Moved::Mesh | Moved::Rope | Moved::Guides, _) => {
-                Self { curves: binding.guides.clone(), ties: binding.guide_ties(), follow: Follow::Guides }
-            }
-        }
+            (Moved::Mesh | Moved::Rope | Moved::Guides, _) => Self::of_binding(binding),
+        };
+        Self { g_per_cm: g_per_cm(layer, binding), ..hair }
     }
 
-    /// Guides by themselves, untied.
+    /// Guides by themselves, untied: together a head of hair.
     pub fn of_guides(guides: &[&GuideSet]) -> Vec<Self> {
-        guides.iter().map(|guides| Self { curves: GuideSet::clone(guides), ..Self::default() }).collect()
+        let n_guides: usize = guides.iter().map(|guides| guides.n_guides()).sum();
+        let of = |guides: &&GuideSet| Self {
+            curves: GuideSet::clone(guides),
+            g_per_cm: HEAD_G_PER_CM * guides.n_guides() as f32 / n_guides.max(1) as f32,
+            ..Self::default()
+        };
+        guides.iter().map(of).collect()
+    }
+
+    fn of_binding(binding: &LayerBinding) -> Self {
+        Self { curves: binding.guides.clone(), ties: binding.guide_ties(), ..Self::default() }
     }
 
     fn of_hair_mesh(mesh: &HairMesh, binding: &LayerBinding, is_rope: bool) -> Self {
@@ -99,7 +115,7 @@ impl MovedHair {
         // A mesh of roots alone has no edge to move; and guides that were bound before the mesh changed are of another.
         let is_bound = chains.chains.len() == binding.guides.n_guides();
         if mesh.layers.len() < 2 || !is_bound {
-            return Self { curves: binding.guides.clone(), ties: binding.guide_ties(), follow: Follow::Guides };
+            return Self::of_binding(binding);
         }
         let ties = binding.guide_ties();
         let (curves, spline, ties) = if is_rope {
@@ -115,7 +131,7 @@ impl MovedHair {
             let (curves, spline) = joints::joints_of(mesh, &chains, binding.guides.n_vertices);
             (curves, spline, ties)
         };
-        Self { curves, ties, follow: Follow::Spline(spline) }
+        Self { curves, ties, follow: Follow::Spline(spline), ..Self::default() }
     }
 
     fn of_strands(layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
@@ -125,7 +141,8 @@ impl MovedHair {
         let painted = binding.map_idx(&MapKind::Tied);
         let tie = |strand_idx| binding.map_value(strand_idx, painted, 0.0).clamp(binding.tied.clamp(0.0, 1.0), 1.0);
         let ties = (0..strands.n_strands()).map(tie).collect();
-        Self { curves: GuideSet { n_vertices, positions: strands.points }, ties, follow: Follow::Strands }
+        let curves = GuideSet { n_vertices, positions: strands.points };
+        Self { curves, ties, follow: Follow::Strands, ..Self::default() }
     }
 
     /// The curves of guides, or of strands, that are at `shown`: the inverse of following, as far as there is one.
@@ -152,6 +169,14 @@ impl MovedHair {
             Follow::Spline(spline) => spline.first_rows.len() * spline.n_vertices as usize,
         }
     }
+}
+
+/// Mass of a centimetre of all of a layer's strands side by side, as thick as they are drawn, g/cm: fewer and thicker
+/// ones are as much hair.
+pub fn g_per_cm(layer: &Layer, binding: &LayerBinding) -> f32 {
+    let (radius_cm, tip) = (layer.radius_um * 1e-4, layer.tip_radius);
+    let cross_section = std::f32::consts::PI * radius_cm * radius_cm * (1.0 + tip + tip * tip) / 3.0;
+    HAIR_DENSITY * cross_section * binding.n_strands() as f32
 }
 
 /// Vertices of the guides, or of the strands, that [`MovedHair::new`] moves of a layer.

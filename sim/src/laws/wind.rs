@@ -8,8 +8,9 @@ use lorelei_core::look::Switch;
 use lorelei_core::simulation::{SimulationSettings, Wind};
 use lorelei_core::wind::AirSettings;
 
-use super::scenes::ball_field;
+use super::scenes::{ball_field, draped};
 use super::{Bound, Row};
+use crate::CpuSolver;
 use crate::contact::Obstacles;
 use crate::pose::Pose;
 use crate::wind::cpu::{HairLayer, divergence_rms};
@@ -116,6 +117,40 @@ pub fn energy_gained() -> f64 {
     most
 }
 
+/// How far hair goes from its rest in a wind of 300 cm/s to +X on the grid, over how far it goes in uniform wind, %.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HairInWind {
+    /// Of all guides, RMS.
+    pub all: f64,
+    /// Of the tips on the side where the wind comes from, and on the other.
+    pub windward: f64,
+    pub lee: f64,
+}
+
+/// A whole head of hair over the ball, after 1.5 s.
+pub fn hair_in_wind() -> HairInWind {
+    let guides = draped(60, 16, 20.0, 0.0);
+    let field = ball_field();
+    let blown = |wind: Wind| {
+        let settings = SimulationSettings { wind, ..windy(300.0, 32) };
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
+        for _ in 0..90 {
+            solver.advance(FRAME_SECS);
+        }
+        let tips = |is_there: fn(f32) -> bool| {
+            let n = guides.n_vertices as usize;
+            let tips = guides.positions.iter().zip(solver.positions(0)).skip(n - 1).step_by(n);
+            let moved = tips.filter(|(rest, _)| is_there(rest.x)).map(|(rest, now)| rest.distance(now.xyz()));
+            moved.fold((0.0, 0.0), |(sum, n), moved| (sum + moved, n + 1.0))
+        };
+        let mean = |(sum, n): (f32, f32)| f64::from(sum / n);
+        [solver.measure().from_rest_rms_cm.into(), mean(tips(|x| x < -4.0)), mean(tips(|x| x > 4.0))]
+    };
+    let (uniform, grid) = (blown(Wind::Uniform), blown(Wind::Grid));
+    let [all, windward, lee] = std::array::from_fn(|i| 100.0 * grid[i] / uniform[i]);
+    HairInWind { all, windward, lee }
+}
+
 /// All of them.
 pub fn of_air() -> Vec<Row> {
     let row = |law, scene: String, value: f64, unit, bound| Row { law, scene, of: "air", value, unit, bound };
@@ -145,6 +180,13 @@ pub fn of_air() -> Vec<Row> {
         "% of the wind",
         Bound::AtMost(0.3),
     ));
+    let hair = hair_in_wind();
+    let scene = |whose: &str| format!("a head of hair on a ball, 300 cm/s, {whose}");
+    let law = "the grid's wind moves hair";
+    let unit = "% of uniform wind's way";
+    rows.push(row(law, scene("all of it"), hair.all, unit, Bound::AtLeast(40.0)));
+    rows.push(row(law, scene("windward tips"), hair.windward, unit, Bound::AtLeast(60.0)));
+    rows.push(row("hair shelters hair", scene("tips in the lee"), hair.lee, unit, Bound::AtMost(70.0)));
     let straight = "steady wind stays as it is";
     rows.push(row(
         straight,

@@ -17,7 +17,7 @@ const N_NEIGHBOURS: f32 = 12.0;
 const RANGE: (f32, f32) = (0.1, 10.0);
 
 /// Of each guide: hairs that it stands for, over those of the mean.
-pub(super) fn shares_of(rest: &Rest) -> Vec<f32> {
+pub(crate) fn shares_of(rest: &Rest) -> Vec<f32> {
     let n = rest.n_vertices.max(1) as usize;
     let roots: Vec<Vec3> = rest.vertices.chunks_exact(n).map(|guide| guide[0].xyz()).collect();
     let (low, high) = roots.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(l, h), &p| (l.min(p), h.max(p)));

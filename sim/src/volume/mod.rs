@@ -32,7 +32,7 @@ use crate::rest::Rest;
 use crate::rod::N_PINNED;
 
 pub use gpu::{GpuVolume, VolumeLayer};
-use hairs::shares_of;
+pub(crate) use hairs::shares_of;
 
 /// Counts of a centimetre of hair.
 const SCALE: f32 = 4096.0;

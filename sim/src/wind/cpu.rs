@@ -21,10 +21,10 @@ pub struct HairLayer<'a> {
     pub n_vertices: u32,
     /// World, vertex `k` of guide `g` at `g * n_vertices + k`.
     pub positions: &'a [Vec4],
-    /// Hairs that the layer stands for.
-    pub n_hairs: f32,
-    /// Its whole length, centimetres.
-    pub length_cm: f32,
+    /// Mass at each vertex of which the wind takes hold, g.
+    pub windage: &'a [f32],
+    /// Of all of them.
+    pub g: f32,
 }
 
 impl HairLayer<'_> {
@@ -97,8 +97,8 @@ impl CpuWind {
             return;
         }
         let pose_before = if jumped { pose } else { self.air_box.pose() };
-        let hair_cm = layers.iter().map(|layer| layer.length_cm.max(0.0)).sum();
-        self.grid = self.air_box.advance(settings, frame, hair_cm);
+        let hair_g = layers.iter().map(|layer| layer.g).sum();
+        self.grid = self.air_box.advance(settings, frame, hair_g);
         self.free = FreeAir::new(settings, t_secs);
         let grid = self.grid;
         self.hair_cells.fill(0);
@@ -107,9 +107,9 @@ impl CpuWind {
         for (layer, before) in layers.iter().zip(&mut self.positions_before) {
             if layer.n_guides() > 0 {
                 before.resize(layer.positions.len(), Vec4::ZERO);
-                let hair = HairParams::new(layer.n_guides(), layer.n_vertices, layer.n_hairs, dt_secs);
+                let hair = HairParams::new(layer.n_guides(), layer.n_vertices, dt_secs);
                 for item in 0..hair.n_taken * hair.n_vertices {
-                    splat(&grid, &hair, item, layer.positions, before, &mut self.hair_cells);
+                    splat(&grid, &hair, item, layer.positions, layer.windage, before, &mut self.hair_cells);
                 }
             }
         }
@@ -189,7 +189,7 @@ impl CpuWind {
         &self.faces
     }
 
-    /// Hair in every cell: length, then momentum, in fixed point.
+    /// Hair in every cell: mass, then momentum, in fixed point.
     pub fn hair_cells(&self) -> &[i32] {
         &self.hair_cells
     }

@@ -19,10 +19,10 @@ pub struct GpuHairLayer<'a> {
     pub n_vertices: u32,
     /// World, `array<vec4<f32>>`, vertex `k` of guide `g` at `g * n_vertices + k`.
     pub positions: &'a wgpu::Buffer,
-    /// Hairs that the layer stands for.
-    pub n_hairs: f32,
-    /// Its whole length, centimetres.
-    pub length_cm: f32,
+    /// Mass at each vertex of which the wind takes hold, g: `array<f32>`.
+    pub windage: &'a wgpu::Buffer,
+    /// Of all of them.
+    pub g: f32,
 }
 
 struct Kernels {
@@ -145,12 +145,6 @@ impl GpuWind {
         self.gpu.queue.write_buffer(&self.air, 0, bytemuck::cast_slice(&filled));
     }
 
-    /// Set the air of the last frame: speeds through faces and velocities in cells, for tests.
-    pub fn set_state(&mut self, faces: &[Vec4], air: &[Vec4]) {
-        self.gpu.queue.write_buffer(&self.faces, 0, bytemuck::cast_slice(faces));
-        self.gpu.queue.write_buffer(&self.air, 0, bytemuck::cast_slice(air));
-    }
-
     /// Record a frame. `contact` is what the module `sim_contact` binds.
     pub fn advance(
         &mut self,
@@ -163,8 +157,8 @@ impl GpuWind {
         if frame.frame_secs.is_nan() || frame.frame_secs <= 0.0 {
             return Ok(());
         }
-        let hair_cm = layers.iter().map(|layer| layer.length_cm.max(0.0)).sum();
-        self.grid = self.air_box.advance(settings, frame, hair_cm);
+        let hair_g = layers.iter().map(|layer| layer.g).sum();
+        self.grid = self.air_box.advance(settings, frame, hair_g);
         self.free = FreeAir::new(settings, frame.t_secs);
         // Parameters get a buffer of their own every time: several frames can be recorded before one is submitted.
         let uniform = wgpu::BufferUsages::UNIFORM;
@@ -200,13 +194,14 @@ impl GpuWind {
             if layer.n_guides == 0 || layer.n_vertices < 2 {
                 continue;
             }
-            let hair = HairParams::new(layer.n_guides, layer.n_vertices, layer.n_hairs, dt_secs);
+            let hair = HairParams::new(layer.n_guides, layer.n_vertices, dt_secs);
             let hair_grid = self.gpu.buffer_of("wind.hair", &[hair], uniform);
             let bindings = kernels.splat.bind(
                 &self.gpu,
                 &[
                     ("grid", grid.as_entire_binding()),
                     ("hair", hair_grid.as_entire_binding()),
+                    ("windage", layer.windage.as_entire_binding()),
                     ("positions", layer.positions.as_entire_binding()),
                     ("positions_before", self.positions_before[layer_idx].0.as_entire_binding()),
                     ("hair_cells", self.hair_cells.as_entire_binding()),
@@ -318,11 +313,6 @@ impl GpuWind {
     /// The free air of the last frame.
     pub fn free(&self) -> &FreeAir {
         &self.free
-    }
-
-    /// Velocity in the middle of every cell, `array<vec4<f32>>`, `n + 1` entries along each axis.
-    pub fn air_buffer(&self) -> &wgpu::Buffer {
-        &self.air
     }
 
     /// Speeds through the lower faces of every entry. Waits for the GPU: for tests and reports.

@@ -18,10 +18,8 @@ const SMALLEST_BOX: f32 = 20.0;
 const LARGEST_BOX: f32 = 400.0;
 /// The box follows once it is this many cells behind.
 const BEHIND: f32 = 1.0;
-/// Kinematic viscosity of air at 20 degrees, cm2/s.
-const VISCOSITY: f32 = 0.151;
-/// Diameter of a hair, centimetres.
-const HAIR_DIAMETER: f32 = 0.008;
+/// Density of air at 20 degrees, g/cm3.
+const AIR_DENSITY: f32 = 1.2e-3;
 /// The sum of one frame's hair fits 31 bits this many times over.
 const UNITS: f32 = 1_073_741_824.0;
 /// Fastest hair that the grid knows, cm/s.
@@ -54,16 +52,14 @@ pub struct GridParams {
     /// Cells along a side.
     pub n: u32,
     pub obstacle: u32,
-    /// Viscosity times what an artist makes of it, cm2/s.
+    /// Rate at which a gram of hair in a cubic centimetre of air slows it, cm3/(g s).
     pub hair_drag: f32,
-    /// Diameter of a hair over the viscosity, s/cm.
-    pub reynolds_per_speed: f32,
     /// 1/s.
     pub vorticity: f32,
-    /// Fixed-point units of a centimetre of hair, and of one times cm/s.
-    pub length_unit: f32,
+    /// Fixed-point units of a gram of hair, and of one times cm/s.
+    pub mass_unit: f32,
     pub momentum_unit: f32,
-    pub pad: f32,
+    pub pad: [f32; 2],
     pub world_from_head: GridPose,
     pub world_from_head_before: GridPose,
 }
@@ -137,8 +133,8 @@ impl AirBox {
         air_box
     }
 
-    /// Go on by a frame, with so many centimetres of hair on all of the head.
-    pub fn advance(&mut self, settings: &SimulationSettings, frame: &WindFrame, hair_cm: f32) -> GridParams {
+    /// Go on by a frame, with so many grams of hair on all of the head.
+    pub fn advance(&mut self, settings: &SimulationSettings, frame: &WindFrame, hair_g: f32) -> GridParams {
         let pose = frame.pose;
         let min_before = self.min;
         let behind = (self.wanted_min(pose) - self.min) / self.cell;
@@ -148,7 +144,8 @@ impl AirBox {
         let before = if frame.jumped { pose } else { self.pose };
         self.pose = pose;
         let air = &settings.air;
-        let hair_cm = if hair_cm.is_finite() { hair_cm.max(1.0) } else { 1.0 };
+        let drag = bounded(settings.drag, SimulationSettings::default().drag, 0.0, 1e3);
+        let hair_g = if hair_g.is_finite() { hair_g.max(1e-3) } else { 1.0 };
         GridParams {
             min: self.min,
             cell: self.cell,
@@ -156,12 +153,11 @@ impl AirBox {
             dt_secs: bounded(frame.frame_secs, 1.0 / 60.0, 1e-4, LONGEST_STEP_SECS),
             n: self.n,
             obstacle: u32::from(air.obstacle == Switch::On),
-            hair_drag: VISCOSITY * bounded(air.hair_drag, 1.0, 0.0, 100.0),
-            reynolds_per_speed: HAIR_DIAMETER / VISCOSITY,
+            hair_drag: bounded(air.hair_drag, 1.0, 0.0, 100.0) * drag / AIR_DENSITY,
             vorticity: bounded(air.vorticity, 0.0, 0.0, 100.0),
-            length_unit: UNITS / hair_cm,
-            momentum_unit: UNITS / (hair_cm * FASTEST_HAIR),
-            pad: 0.0,
+            mass_unit: UNITS / hair_g,
+            momentum_unit: UNITS / (hair_g * FASTEST_HAIR),
+            pad: [0.0; 2],
             world_from_head: pose.into(),
             world_from_head_before: before.into(),
         }

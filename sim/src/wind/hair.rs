@@ -1,4 +1,4 @@
-//! Hair as what stops the air: its length and its momentum in every cell. Twin of `wind_hair.wgsl`.
+//! Hair as what slows the air: its mass and its momentum in every cell. Twin of `wind_hair.wgsl`.
 //!
 //! Sums are of whole numbers, so they do not depend on the order in which threads add.
 
@@ -10,8 +10,6 @@ use super::grid::GridParams;
 const MAX_VERTICES: u32 = 8192;
 /// Fastest hair that the grid knows, cm/s.
 const FASTEST: f32 = 2000.0;
-/// Longest edge that counts, cm.
-const LONGEST: f32 = 10.0;
 
 /// Layout of `Hair` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -21,23 +19,23 @@ pub struct HairParams {
     /// Guides that are taken: every `stride`-th.
     pub n_taken: u32,
     pub stride: u32,
-    /// Hairs that a taken guide stands for.
-    pub weight: f32,
+    /// Guides that a taken one stands for.
+    pub each: f32,
     /// 1 over the seconds since the positions before; 0 where there are none.
     pub per_sec: f32,
     pub pad: [f32; 3],
 }
 
 impl HairParams {
-    /// For a layer of `n_hairs` hairs; every second, third .. guide where there are too many.
-    pub fn new(n_guides: u32, n_vertices: u32, n_hairs: f32, dt_secs: Option<f32>) -> Self {
+    /// Every second, third .. guide where there are too many.
+    pub fn new(n_guides: u32, n_vertices: u32, dt_secs: Option<f32>) -> Self {
         let stride = (n_guides * n_vertices).div_ceil(MAX_VERTICES).max(1);
         let n_taken = n_guides.div_ceil(stride);
         Self {
             n_vertices,
             n_taken,
             stride,
-            weight: n_hairs.clamp(0.0, 1e7) / n_taken.max(1) as f32,
+            each: n_guides as f32 / n_taken.max(1) as f32,
             per_sec: dt_secs.map_or(0.0, f32::recip),
             pad: [0.0; 3],
         }
@@ -54,22 +52,21 @@ pub fn splat(
     hair: &HairParams,
     item: u32,
     positions: &[Vec4],
+    windage: &[f32],
     positions_before: &mut [Vec4],
     hair_cells: &mut [i32],
 ) {
-    let k = item % hair.n_vertices;
-    let idx = ((item / hair.n_vertices) * hair.stride * hair.n_vertices + k) as usize;
+    let idx = (item / hair.n_vertices * hair.stride * hair.n_vertices + item % hair.n_vertices) as usize;
     let p = positions[idx].xyz();
     let before = std::mem::replace(&mut positions_before[idx], p.extend(0.0)).xyz();
-    if k == 0 || !is_sane(p) {
+    if !is_sane(p) {
         return;
     }
     let mut v = Vec3::ZERO;
     if is_sane(before) {
         v = ((p - before) * hair.per_sec).clamp(Vec3::splat(-FASTEST), Vec3::splat(FASTEST));
     }
-    let below = positions[idx - 1].xyz();
-    let length_here = if is_sane(below) { hair.weight * p.distance(below).min(LONGEST) } else { 0.0 };
+    let mass_here = hair.each * windage[idx];
     let in_cells = (p - grid.min) / grid.cell - 0.5;
     let corner = in_cells.floor();
     let t = in_cells - corner;
@@ -80,9 +77,9 @@ pub fn splat(
             continue;
         }
         let share = (1.0 - t) + offset.as_vec3() * (2.0 * t - 1.0);
-        let here = length_here * share.x * share.y * share.z;
+        let here = mass_here * share.x * share.y * share.z;
         let cell = 4 * grid.entry(at.as_uvec3());
-        hair_cells[cell] += (here * grid.length_unit).round_ties_even() as i32;
+        hair_cells[cell] += (here * grid.mass_unit).round_ties_even() as i32;
         let momentum = here * v * grid.momentum_unit;
         for axis in 0..3 {
             hair_cells[cell + 1 + axis] += momentum[axis].round_ties_even() as i32;

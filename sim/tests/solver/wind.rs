@@ -39,13 +39,13 @@ fn hair_stops_the_wind_as_much_as_there_is_of_it() {
         .flat_map(|i| (0..17).map(move |k| Vec3::new((i % 17) as f32, k as f32, (i / 17) as f32) - 8.0))
         .map(|p| p.extend(0.0))
         .collect();
-    let inside = |n_hairs: f32| {
-        let hair = HairLayer { n_vertices: 17, positions: &positions, n_hairs, length_cm: 16.0 * n_hairs };
+    let inside = |g: f32| {
+        let hair = HairLayer { n_vertices: 17, positions: &positions, windage: &vec![g / 4913.0; 4913], g };
         let mut wind = boxed(&settings);
         pass(&mut wind, &settings, None, &[hair], 0..60);
         wind.air().air_velocity(Vec3::ZERO).x
     };
-    let (none, thin, thick) = (inside(0.0), inside(2_000.0), inside(60_000.0));
+    let (none, thin, thick) = (inside(0.0), inside(20.0), inside(600.0));
     assert!((none - 200.0).abs() < 0.1, "{none}");
     assert!(thin < 0.9 * none && thick < 0.3 * thin && thick >= 0.0, "{none} {thin} {thick}");
 }
@@ -103,7 +103,7 @@ fn nonsense_leaves_numbers() {
     settings.air.n_cycles = u32::MAX;
     settings.sources = vec![WindSource { place: Vec3::NAN, speed: 1e30, ..WindSource::default() }];
     let nowhere = vec![glam::Vec4::splat(f32::NAN); 40];
-    let hair = HairLayer { n_vertices: 4, positions: &nowhere, n_hairs: f32::INFINITY, length_cm: f32::NAN };
+    let hair = HairLayer { n_vertices: 4, positions: &nowhere, windage: &[f32::INFINITY; 40], g: f32::NAN };
     let points = [Vec3::NAN, Vec3::splat(1e30)].into_iter();
     let mut wind = CpuWind::new(points, &settings, Pose::IDENTITY);
     wind.fill(|p| if p.x > 0.0 { Vec3::NAN } else { Vec3::splat(1e30) });
