@@ -249,7 +249,9 @@ impl Smoke {
             let n_parts = PARTS * trail.len().saturating_sub(1);
             let at = |i: usize| projection.point(catmull_rom(&trail, i as f32 / PARTS as f32));
             let points: Vec<Pos2> = (0..=n_parts).map_while(at).collect();
-            streak(&mut mesh, &points, (tracer.left_secs / 0.3).clamp(0.0, 1.0));
+            // A trail grows out of nothing: the first step of one that is just born would be a bright speck.
+            let grown = trail.len().saturating_sub(1) as f32 / (N_TRAIL - 1) as f32;
+            streak(&mut mesh, &points, grown * (tracer.left_secs / 0.3).clamp(0.0, 1.0));
         }
         painter.add(Shape::mesh(mesh));
     }
