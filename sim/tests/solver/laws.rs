@@ -33,11 +33,14 @@ fn run(solver: &mut CpuSolver, secs: f32, frames_per_second: f32, pose: impl Fn(
 #[test]
 fn a_groom_at_rest_stays_to_the_last_bit() {
     let field = ball_field();
-    for (name, guides) in grooms() {
-        let mut solver = CpuSolver::new(&[&guides], Some(&field), &SimulationSettings::default());
+    for (law, (name, guides)) in
+        [Solver::Rods, Solver::Chains].iter().flat_map(|law| grooms().map(|groom| (law, groom)))
+    {
+        let settings = SimulationSettings { solver: *law, ..SimulationSettings::default() };
+        let mut solver = CpuSolver::new(&[&guides], Some(&field), &settings);
         let last = *run(&mut solver, 2.0, 60.0, |_| Affine3A::IDENTITY).last().unwrap();
-        assert_eq!((last.speed_max, last.from_rest_rms_cm), (0.0, 0.0), "{name}");
-        assert!(solver.positions(0).iter().zip(&guides.positions).all(|(x, rest)| x.xyz() == *rest), "{name}");
+        assert_eq!((last.speed_max, last.from_rest_rms_cm), (0.0, 0.0), "{law:?}, {name}");
+        assert!(solver.positions(0).iter().zip(&guides.positions).all(|(x, rest)| x.xyz() == *rest), "{law:?}, {name}");
     }
 }
 
@@ -53,6 +56,13 @@ fn a_groom_on_a_turned_head_stays_too() {
         // Rounding of coordinates around 60 cm moves a vertex by 4e-6 cm in a step of 1/240 s.
         assert!(last.from_rest_rms_cm < 1e-3 && last.speed_max < 1e-2, "{name}: {last:?}");
     }
+}
+
+#[test]
+fn chains_keep_lengths_and_stay_out_of_the_head_when_it_is_shaken_violently() {
+    let under = Under { solver: Solver::Chains, ..UNDER };
+    assert_all_hold(&motions::violent_shakes(&under).unwrap());
+    assert_all_hold(&free::swing(&under).unwrap());
 }
 
 #[test]
