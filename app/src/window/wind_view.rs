@@ -249,7 +249,7 @@ impl Smoke {
             let n_parts = PARTS * trail.len().saturating_sub(1);
             let at = |i: usize| projection.point(catmull_rom(&trail, i as f32 / PARTS as f32));
             let points: Vec<Pos2> = (0..=n_parts).map_while(at).collect();
-            // A trail grows out of nothing: the first step of one that is just born would be a bright speck.
+            // A trail grows out of nothing.
             let grown = trail.len().saturating_sub(1) as f32 / (N_TRAIL - 1) as f32;
             streak(&mut mesh, &points, grown * (tracer.left_secs / 0.3).clamp(0.0, 1.0));
         }

@@ -114,7 +114,7 @@ fn a_thrown_head_keeps_its_hair_out() {
     let settled = solver.measure();
     println!("while thrown {deepest} cm, settled {settled:?}");
     assert!(settled.penetration_max_cm < 0.1 && settled.n_not_finite == 0, "{settled:?}");
-    // Measured 0. Where edges are only shortened to their length after a push, 0.29.
+    // Measured 0.
     assert!(deepest < 0.1, "{deepest} cm");
 }
 
