@@ -264,6 +264,9 @@ fn advance(
         }
         // Put every vertex at its distance from the one below, and out of all obstacles, without giving velocity.
         var is_closed = !is_free;
+        if is_here {
+            room = max(room - STEEPEST * contact_way(x_of[lane], prev, carried), 0.0);
+        }
         for (var again = 0u; again < CLOSINGS; again++) {
             let moved_by = closing(lane, k, is_free, rest_length);
             if is_here && k == 0u {
@@ -304,7 +307,6 @@ fn advance(
             x = x_of[lane];
             let styled = pose_apply(after, place.xyz);
             carried = pose_apply(asked.carries[step], prev);
-            room = max(room - STEEPEST * contact_way(x, prev, carried), 0.0);
             let aside = max(dot(x - styled, x - styled), dot(x - carried, x - carried));
             x = select(x, styled, aside < AT_REST * AT_REST);
         }

@@ -162,6 +162,10 @@ pub fn step_chain(
         angles(s, rest, p, after);
         contacts(s, rest, obstacles, [before, carry, after], rooms);
     }
+    for k in 0..s.len() {
+        let (x, prev) = (s[k].x.xyz(), s[k].prev.xyz());
+        rooms[k] = (rooms[k] - STEEPEST * obstacles.way(x, prev, carry.apply(prev))).max(0.0);
+    }
     for _ in 0..CLOSINGS {
         if close_lengths(s, rest, obstacles, after, rooms) < CLOSED {
             break;
@@ -169,9 +173,7 @@ pub fn step_chain(
     }
     for k in 0..s.len() {
         let (x, prev, styled) = (s[k].x.xyz(), s[k].prev.xyz(), after.apply(rest[k].place.xyz()));
-        let carried = carry.apply(prev);
-        rooms[k] = (rooms[k] - STEEPEST * obstacles.way(x, prev, carried)).max(0.0);
-        if x.distance_squared(styled).max(x.distance_squared(carried)) < AT_REST * AT_REST {
+        if x.distance_squared(styled).max(x.distance_squared(carry.apply(prev))) < AT_REST * AT_REST {
             s[k].x = styled.extend(s[k].x.w);
         }
     }
@@ -227,10 +229,7 @@ fn integrate(
 /// equations instead, so that every vertex has a thread.
 fn take_pulls(to: &mut [Vec3], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
     let n = to.len();
-    let stiffness = |k: usize| {
-        let length = if k < n { rest[k].place.xyz().distance(rest[k - 1].place.xyz()) } else { 1.0 };
-        if k < n { squared_step * s[k].x.w / length.max(SHORTEST) } else { 0.0 }
-    };
+    let stiffness = |k: usize| if k < n { squared_step * s[k].x.w / rest_length(rest, k).max(SHORTEST) } else { 0.0 };
     let mut above = vec![0.0; n];
     for k in N_PINNED..n {
         let (w_below, w_above) = (stiffness(k), stiffness(k + 1));
@@ -244,11 +243,16 @@ fn take_pulls(to: &mut [Vec3], s: &[ChainVertex], rest: &[ChainRest], squared_st
     }
 }
 
+/// Of the edge below vertex `k`, cm.
+fn rest_length(rest: &[ChainRest], k: usize) -> f32 {
+    rest[k].place.xyz().distance(rest[k - 1].place.xyz())
+}
+
 /// Lengths of every second edge: the edges of one batch share no vertex. What corrects an edge adds to its pull.
 fn lengths(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, batch: usize) {
     for k in (N_PINNED + batch..s.len()).step_by(2) {
         let edge = s[k].x.xyz() - s[k - 1].x.xyz();
-        let rest_length = rest[k].place.xyz().distance(rest[k - 1].place.xyz());
+        let rest_length = rest_length(rest, k);
         let w_below = if k - 1 < N_PINNED { 0.0 } else { 1.0 };
         let too_long = (1.0 - rest_length * inverse_length(edge)) / (1.0 + w_below);
         let correction = too_long * edge;
@@ -298,7 +302,7 @@ fn close_lengths(
         let start = s[k].x.xyz();
         let edge = start - below;
         below = start;
-        let rest_length = rest[k].place.xyz().distance(rest[k - 1].place.xyz());
+        let rest_length = rest_length(rest, k);
         moved += edge * (rest_length * inverse_length(edge) - 1.0);
         let closed = start + moved;
         s[k].x = closed.extend(s[k].x.w);
