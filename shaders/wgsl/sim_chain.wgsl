@@ -38,7 +38,6 @@ struct ChainVertex {
 
 // Threads of a workgroup, and most vertices of a strand: guides have no more than 64.
 const LANES: u32 = 64u;
-const PULL_SPEED: f32 = 60.0;
 // Largest pull of an edge over its vertex's mass, cm/s2, and shortest edge that pulls, cm.
 const MOST_PULL: f32 = 1e6;
 const SHORTEST: f32 = 1e-4;
@@ -64,34 +63,28 @@ var<workgroup> is_any_open: u32;
 // Of each strand of the workgroup.
 var<workgroup> is_broken: array<atomic<u32>, LANES>;
 
-// Verlet's rule for one vertex: where it goes from `x`; with the head it would go to `carried`.
-fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec3<f32> {
+// Verlet's rule for one vertex: where it goes from `x` (xyz), times the springs that hold it and one; their stiffness (w). With the
+// head it would go to `carried`.
+fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec4<f32> {
+    let styled = pose_apply(after, at.place.xyz);
     if k < N_PINNED {
-        return pose_apply(after, at.place.xyz);
+        return vec4<f32>(styled, 0.0);
     }
     let with_head = carried - x;
     var v = with_head + chain.keep * (x - prev - with_head);
     v += chain.take_up * (at.numbers.y * chain.step_secs * air_velocity(x) - v);
-    let forces = chain.step_secs * chain.step_secs * rotate(after.rotation, at.support.xyz);
-    return x + clamp_length(v, MAX_SPEED * chain.step_secs) + (chain.gravity_step + forces);
-}
-
-// The hold to the style and a hand, of one vertex that the pulls take to `x`.
-fn hold(k: u32, x: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec3<f32> {
-    if k < N_PINNED {
-        return x;
-    }
-    let stiffness = at.numbers.x * chain.step_secs * chain.step_secs;
-    let held = x + (pose_apply(after, at.place.xyz) - x) * (stiffness / (1.0 + stiffness));
+    let squared_step = chain.step_secs * chain.step_secs;
+    let forces = squared_step * rotate(after.rotation, at.support.xyz);
+    let free = x + clamp_length(v, MAX_SPEED * chain.step_secs) + (chain.gravity_step + forces);
+    let stiffness = squared_step * at.numbers.x;
     let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, carried, after);
-    let pulled = pull.w * chain.step_secs * chain.step_secs;
-    let led = carried + clamp_length(pull.xyz, PULL_SPEED * chain.step_secs);
-    return held + (led - held) * (pulled / (1.0 + pulled));
+    let pulled = squared_step * pull.w;
+    return vec4<f32>(free + stiffness * styled + pulled * (carried + pull.xyz), stiffness + pulled);
 }
 
-// Where a vertex goes that would go to `to` if edges did not pull: see take_pulls in sim/src/chain.rs. One equation a
-// vertex, with its neighbours' places as unknowns; each round puts in theirs, until none is left.
-fn take_pulls(lane: u32, k: u32, is_here: bool, to: vec3<f32>, w_below: f32) -> vec3<f32> {
+// Where a vertex goes that `integrate` sends to `to`: see take_pulls in sim/src/chain.rs. One equation a vertex, with its
+// neighbours' places as unknowns; each round puts in theirs, until none is left.
+fn take_pulls(lane: u32, k: u32, is_here: bool, to: vec4<f32>, w_below: f32) -> vec3<f32> {
     let n = asked.n_vertices;
     if is_here {
         share_of[lane] = vec2<f32>(w_below, 0.0);
@@ -104,9 +97,9 @@ fn take_pulls(lane: u32, k: u32, is_here: bool, to: vec3<f32>, w_below: f32) -> 
         w_above = share_of[lane + 1u].x;
     }
     workgroupBarrier();
-    let scale = 1.0 / (1.0 + w_below + w_above);
+    let scale = 1.0 / (1.0 + to.w + w_below + w_above);
     var share = vec2<f32>(scale * w_below, scale * w_above);
-    var x = scale * to;
+    var x = scale * to.xyz;
     for (var far = 1u; far < n; far *= 2u) {
         if is_here {
             share_of[lane] = share;
@@ -234,7 +227,7 @@ fn advance(
         var carried = pose_apply(asked.carries[step], x);
         let to = integrate(k, x, prev, rest[i], carried, after);
         let w_below = select(0.0, chain.step_secs * chain.step_secs * pull / max(rest_length, SHORTEST), is_free);
-        let moved = hold(k, take_pulls(lane, k, is_here, to, w_below), rest[i], carried, after);
+        let moved = take_pulls(lane, k, is_here, to, w_below);
         prev = x;
         if is_here {
             x_of[lane] = moved;

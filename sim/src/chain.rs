@@ -29,11 +29,6 @@ use crate::pull::PullParams;
 use crate::rest::Exposure;
 use crate::rod::{MAX_SPEED, N_PINNED};
 
-/// A hand leads a vertex no faster, cm/s, and gives it no velocity: as a force, or faster, it makes the chain swing about
-/// the hand for as long as it holds it (measured: edges 40 % too long). So a chain comes to the hand only where its weight
-/// and its shape let it.
-const PULL_SPEED: f32 = 60.0;
-
 /// Largest pull of an edge over its vertex's mass, cm/s2: a thousand times gravity.
 const MOST_PULL: f32 = 1e6;
 /// Shortest edge that pulls, cm.
@@ -179,7 +174,8 @@ pub fn step_chain(
     }
 }
 
-/// Verlet's rule with gravity, air, the pulls of the edges and the hold to the style. Pinned vertices go with the head.
+/// Verlet's rule with gravity and air, and the springs: the pulls of the edges, the hold to the style, and a hand. Pinned
+/// vertices go with the head.
 fn integrate(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
@@ -191,49 +187,45 @@ fn integrate(
 ) {
     let n = s.len();
     let squared_step = p.step_secs * p.step_secs;
-    let mut to: Vec<Vec3> = (0..n)
-        .map(|k| {
-            if k < N_PINNED {
-                return after.apply(rest[k].place.xyz());
-            }
-            let x = s[k].x.xyz();
-            let with_head = carry.apply(x) - x;
-            let mut v = with_head + p.keep * (x - s[k].prev.xyz() - with_head);
-            v += p.take_up * (rest[k].numbers.y * p.step_secs * air.velocity(x) - v);
-            let forces = squared_step * rotate(after.rotation, rest[k].support.xyz());
-            x + clamp_length(v, MAX_SPEED * p.step_secs) + (Vec3::from_array(p.gravity_step) + forces)
-        })
-        .collect();
-    take_pulls(&mut to, s, rest, squared_step);
+    let mut to: Vec<Vec3> = Vec::with_capacity(n);
+    let mut held = vec![0.0; n];
     for k in 0..n {
-        let x = s[k].x.xyz();
-        let mut moved = to[k];
-        if k >= N_PINNED {
-            let styled = after.apply(rest[k].place.xyz());
-            let stiffness = rest[k].numbers.x * squared_step;
-            moved += (styled - moved) * (stiffness / (1.0 + stiffness));
-            let carried = carry.apply(x);
-            let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), carried, after);
-            let pulled = strength * squared_step;
-            let led = carried + clamp_length(pull_way, PULL_SPEED * p.step_secs);
-            moved += (led - moved) * (pulled / (1.0 + pulled));
+        let styled = after.apply(rest[k].place.xyz());
+        if k < N_PINNED {
+            to.push(styled);
+            continue;
         }
-        s[k].prev = x.extend(0.0);
-        s[k].x = moved.extend(s[k].x.w);
+        let x = s[k].x.xyz();
+        let carried = carry.apply(x);
+        let with_head = carried - x;
+        let mut v = with_head + p.keep * (x - s[k].prev.xyz() - with_head);
+        v += p.take_up * (rest[k].numbers.y * p.step_secs * air.velocity(x) - v);
+        let forces = squared_step * rotate(after.rotation, rest[k].support.xyz());
+        let free = x + clamp_length(v, MAX_SPEED * p.step_secs) + (Vec3::from_array(p.gravity_step) + forces);
+        let stiffness = squared_step * rest[k].numbers.x;
+        let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), carried, after);
+        let pulled = squared_step * strength;
+        held[k] = stiffness + pulled;
+        to.push(free + stiffness * styled + pulled * (carried + pull_way));
+    }
+    take_pulls(&mut to, &held, s, rest, squared_step);
+    for k in 0..n {
+        s[k].prev = s[k].x.xyz().extend(0.0);
+        s[k].x = to[k].extend(s[k].x.w);
     }
 }
 
-/// Where vertices go that would go to `to` if edges did not pull: an edge that pulls with a force is a spring without a
-/// length whose stiffness is the force over the length of the edge, across the edge as along it. Implicit, one equation with
-/// three unknowns a vertex, so that it is stable at any step; at rest it is where the style is. The twin halves the
-/// equations instead, so that every vertex has a thread.
-fn take_pulls(to: &mut [Vec3], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
+/// Where vertices go that springs of stiffness `held`, in units of the step's inertia, hold on their way to `to` over one more
+/// than that. An edge that pulls with a force is a spring without a length whose stiffness is the force over the length of the
+/// edge, across the edge as along it. Implicit, one equation with three unknowns a vertex, so that it is stable at any step;
+/// at rest it is where the style is. The twin halves the equations instead, so that every vertex has a thread.
+fn take_pulls(to: &mut [Vec3], held: &[f32], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
     let n = to.len();
     let stiffness = |k: usize| if k < n { squared_step * s[k].x.w / rest_length(rest, k).max(SHORTEST) } else { 0.0 };
     let mut above = vec![0.0; n];
     for k in N_PINNED..n {
         let (w_below, w_above) = (stiffness(k), stiffness(k + 1));
-        let scale = 1.0 / (1.0 + w_below + w_above - w_below * above[k - 1]);
+        let scale = 1.0 / (1.0 + held[k] + w_below + w_above - w_below * above[k - 1]);
         above[k] = scale * w_above;
         to[k] = scale * (to[k] + w_below * to[k - 1]);
     }

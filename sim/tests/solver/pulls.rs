@@ -33,11 +33,6 @@ fn held_hair_comes_to_the_hand_its_neighbours_follow_and_the_rest_stays() {
         let guides = hair();
         let vertex_idx = grabbed(&guides);
         let mut cpu = CpuSolver::new(&[&guides], Some(&ball_field()), &settings(solver));
-        // Chains sag by themselves first.
-        for _ in 0..120 {
-            cpu.advance(1.0 / 60.0);
-        }
-        let by_itself = cpu.measure().length_error_max;
         let before: Vec<Vec3> = cpu.positions(0).iter().map(|x| x.xyz()).collect();
         let held = Pull::of_vertex(&guides, vertex_idx).unwrap();
         let hand = held.rest + Vec3::new(3.0, 3.0, 0.0);
@@ -54,15 +49,12 @@ fn held_hair_comes_to_the_hand_its_neighbours_follow_and_the_rest_stays() {
         let was_away = before[vertex_idx].distance(hand);
         let near = (0..240).filter(|g| beside(*g) > 0.01 && beside(*g) < 2.0).map(moved).fold(f32::MAX, f32::min);
         let far = (0..240).filter(|g| beside(*g) > 6.0).map(moved).fold(0.0, f32::max);
-        println!(
-            "{solver:?}: {away} cm from the hand, near {near}, far {far}, stretched {stretched}, by itself {by_itself}"
-        );
-        // Chains are led, not held: their own weight and shape hold against it.
-        let farthest = if solver == Solver::Rods { 0.6 } else { 0.7 * was_away };
+        println!("{solver:?}: {away} cm from the hand, near {near}, far {far}, stretched {stretched}");
+        // The shape of a chain is put back after the hand's step, and holds against it.
+        let farthest = if solver == Solver::Rods { 0.6 } else { 1.7 };
         assert!(away < farthest, "{solver:?}: {away} cm from the hand, {was_away} before");
         assert!(near > 1.0 && near < 100.0 && far < 0.3, "{solver:?}: near {near}, far {far}");
-        let longest = if solver == Solver::Rods { 1e-4 } else { by_itself + 0.02 };
-        assert!(stretched < longest, "{solver:?}: {stretched}");
+        assert!(stretched < 1e-3, "{solver:?}: {stretched}");
     }
 }
 
@@ -85,7 +77,7 @@ fn a_hand_out_of_reach_at_infinity_or_jerked_neither_stretches_nor_breaks_hair()
             worst = (worst.0.max(now.length_error_max), worst.1.max(now.penetration_max_cm));
         }
         println!("{solver:?}: {worst:?}");
-        let longest = if solver == Solver::Rods { 2e-3 } else { 0.5 };
+        let longest = if solver == Solver::Rods { 2e-3 } else { 0.3 };
         assert!(worst.0 < longest && worst.1 < 1.0, "{solver:?}: {worst:?}");
         // Let go of, it comes to rest as if nothing had been.
         cpu.set_head_pose(&Affine3A::IDENTITY);
