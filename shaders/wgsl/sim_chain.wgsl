@@ -5,7 +5,8 @@
 
 #import lorelei::sim_pose::{Pose, rotate, pose_apply, turned_as, inverse_length}
 #import lorelei::sim_frame::{asked, positions, shown_at, clamp_length, N_PINNED, MAX_SPEED}
-#import lorelei::sim_contact::{contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST}
+#import lorelei::sim_contact::{Contacted, contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST}
+#import lorelei::sim_edge::{Ends, collide_edge}
 #import lorelei::sim_air::air_velocity
 #import lorelei::sim_pull::pull_on
 
@@ -36,6 +37,9 @@ struct ChainVertex {
     begun: vec4<f32>,
 }
 
+// 0: no collider is thin, and edges are not asked about.
+override THIN_COLLIDERS: u32 = 0u;
+
 // Threads of a workgroup, and most vertices of a strand: guides have no more than 64.
 const LANES: u32 = 64u;
 // Largest pull of an edge over its vertex's mass, cm/s2, and shortest edge that pulls, cm.
@@ -55,6 +59,8 @@ const AT_REST: f32 = 5e-5;
 var<workgroup> x_of: array<vec3<f32>, LANES>;
 // How far the local shape would move them; what is found by halving.
 var<workgroup> turn_of: array<vec3<f32>, LANES>;
+// Where the step began, where edges are asked about.
+var<workgroup> begun_of: array<vec3<f32>, LANES>;
 // Shares of the vertices below and above in where a vertex goes; x the stiffness of the edge below before that.
 var<workgroup> share_of: array<vec2<f32>, LANES>;
 // Of each strand of the workgroup: whether obstacles moved it when its lengths were closed; whether any.
@@ -160,6 +166,35 @@ fn closing(lane: u32, k: u32, is_free: bool, rest_length: f32) -> vec3<f32> {
     return moved;
 }
 
+// Keep edges out of thin colliders on their way from where the step began, every second one and then the others, by their upper
+// vertices. Returns the vertex as a contact leaves it, its room 0 where it was moved.
+fn edges(
+    lane: u32,
+    k: u32,
+    is_free: bool,
+    along: f32,
+    prev: vec3<f32>,
+    room: f32,
+    before: Pose,
+    after: Pose,
+) -> Contacted {
+    var contacted = Contacted(vec3<f32>(0.0), prev, room);
+    for (var batch = 0u; batch < 2u; batch++) {
+        if is_free && (k - N_PINNED) % 2u == batch {
+            let start = Ends(begun_of[lane - 1u], begun_of[lane]);
+            let free = x_of[lane];
+            let of_edge = collide_edge(start, Ends(x_of[lane - 1u], free), prev, along, before, after);
+            contacted = Contacted(of_edge.x - free, of_edge.prev, room);
+            if any(of_edge.x != free) {
+                x_of[lane] = of_edge.x;
+                contacted.room = 0.0;
+            }
+        }
+        workgroupBarrier();
+    }
+    return contacted;
+}
+
 // Towards the local shape, all at once from where the vertices were before; both ends of an edge move.
 fn angles(lane: u32, is_free: bool, is_tip: bool, rest_below: vec3<f32>, rest_edge: vec3<f32>) {
     var turn = vec3<f32>(0.0);
@@ -231,6 +266,7 @@ fn advance(
         prev = x;
         if is_here {
             x_of[lane] = moved;
+            begun_of[lane] = begun;
         }
         workgroupBarrier();
         let turned_below = rotate(after.rotation, rest_below);
@@ -254,6 +290,12 @@ fn advance(
                 }
             }
             workgroupBarrier();
+            if THIN_COLLIDERS == 1u {
+                let of_edge = edges(lane, k, is_free, along, prev, room, before, after);
+                prev = of_edge.prev;
+                room = of_edge.room;
+                carried = pose_apply(asked.carries[step], prev);
+            }
         }
         // Put every vertex at its distance from the one below, and out of all obstacles, without giving velocity.
         var is_closed = !is_free;
@@ -287,6 +329,15 @@ fn advance(
                 }
             }
             workgroupBarrier();
+            if THIN_COLLIDERS == 1u {
+                let of_edge = edges(lane, k, is_free && !is_closed, along, prev, room, before, after);
+                room = of_edge.room;
+                prev += of_edge.x;
+                if length(of_edge.x) >= CLOSED {
+                    atomicStore(&is_open[strand], 1u);
+                }
+                workgroupBarrier();
+            }
             if !is_closed && atomicLoad(&is_open[strand]) == 1u {
                 is_any_open = 1u;
             } else {

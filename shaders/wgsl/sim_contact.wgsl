@@ -17,6 +17,8 @@ struct ContactParams {
     march_from: f32,
     // Farthest way of a collider in a frame.
     capsule_way: f32,
+    // Colliders are thin that keep hair no farther than this from their axis.
+    thin_below: f32,
 }
 
 struct Capsule {

@@ -9,6 +9,7 @@
 #import lorelei::sim_contact::{
     Barrier, Contacted, contact, contact_barrier, contact_collide, contact_keep_out, contact_step, contact_way, STEEPEST,
 }
+#import lorelei::sim_edge::{Ends, collide_edge, keep_edge_out}
 #import lorelei::sim_air::air_velocity
 #import lorelei::sim_pull::pull_on
 
@@ -22,6 +23,9 @@ struct RodParams {
     drag: f32,
     n_iterations: u32,
 }
+
+// 0: no collider is thin, and edges are not asked about.
+override THIN_COLLIDERS: u32 = 0u;
 
 // A matrix that is its own transpose.
 struct Symmetric {
@@ -304,12 +308,17 @@ fn sweep_to_tip(before: Pose, carry: Pose, after: Pose) -> bool {
     var omega = vec3<f32>(0.0);
     var dx = vec3<f32>(0.0);
     var below = vec3<f32>(0.0);
+    // The vertex below, before and after the step.
+    var was_below = vec3<f32>(0.0);
+    var now_below = vec3<f32>(0.0);
     for (var k = 0u; k < N_PINNED; k++) {
         let was = s[at(k, X)].xyz;
         below = pose_apply(after, rest[at(k, PLACE)].xyz);
         s[at(k, X)] = vec4<f32>(below, was.x);
         s[at(k, PREV)] = vec4<f32>(was, was.y);
         s[at(k, ACCELERATION)] = vec4<f32>(0.0, 0.0, 0.0, was.z);
+        was_below = was;
+        now_below = below;
     }
     s[at(0u, FRAME)] = normalize(multiply(after.rotation, rest[at(0u, REST_FRAME)]));
     for (var k = 1u; k + 1u < asked.n_vertices; k++) {
@@ -346,6 +355,15 @@ fn sweep_to_tip(before: Pose, carry: Pose, after: Pose) -> bool {
         let carried = pose_apply(carry, was);
         var acceleration = (x - was) - (was - prev.xyz);
         var contacted = collide(j, x, was, max(last.w, 0.0), before, carried, after);
+        if THIN_COLLIDERS == 1u {
+            let of_edge = collide_edge(
+                Ends(was_below, was), Ends(now_below, contacted.x), contacted.prev, along_strand(j), before, after,
+            );
+            let room = max(contacted.room - STEEPEST * distance(of_edge.x, contacted.x), 0.0);
+            contacted = Contacted(of_edge.x, of_edge.prev, room);
+            was_below = was;
+            now_below = contacted.x;
+        }
         touches |= any(contacted.x != x);
         if last.w == PRESSES {
             let on = barrier(j, was, carried, rest[at(j, PLACE)].w, after);
@@ -407,6 +425,7 @@ fn close_lengths(after: Pose) {
 fn reach_from_root(after: Pose, may_hold: bool) -> bool {
     var is_held = false;
     var below = s[at(N_PINNED - 1u, X)].xyz;
+    var start_below = below;
     for (var k = N_PINNED; k < asked.n_vertices; k++) {
         let edge_length = rest[at(k - 1u, JOINT)].w;
         let was = s[at(k, X)];
@@ -414,7 +433,7 @@ fn reach_from_root(after: Pose, may_hold: bool) -> bool {
         let start = was.xyz;
         var x = at_length(below, start, edge_length, k - 1u);
         for (var iteration = 0u; iteration < rod.n_iterations; iteration++) {
-            let kept = keep_out(k, start, x, prev.w, after);
+            let kept = keep_out(k, Ends(start_below, start), Ends(below, x), prev.w, after);
             if all(kept == x) {
                 break;
             }
@@ -428,6 +447,7 @@ fn reach_from_root(after: Pose, may_hold: bool) -> bool {
         s[at(k, X)] = vec4<f32>(x, was.w);
         s[at(k, PREV)] = vec4<f32>(prev.xyz + (x - start), room_after(prev.w, start, x));
         below = x;
+        start_below = start;
     }
     return is_held;
 }
@@ -435,26 +455,37 @@ fn reach_from_root(after: Pose, may_hold: bool) -> bool {
 // From the tip down, edges that are too long; it takes the velocity that made them so.
 fn reach_from_tip(after: Pose) {
     var above = s[at(asked.n_vertices - 1u, X)].xyz;
+    var start_above = above;
     for (var k = asked.n_vertices - 2u; k >= N_PINNED; k--) {
         let edge_length = rest[at(k, JOINT)].w;
         let was = s[at(k, X)];
         var x = was.xyz;
-        if distance(x, above) > 1.001 * edge_length {
+        let is_long = distance(x, above) > 1.001 * edge_length;
+        if is_long || THIN_COLLIDERS == 1u {
             let room = s[at(k, PREV)].w;
-            x = keep_out(k, was.xyz, at_length(above, was.xyz, edge_length, k), room, after);
+            if is_long {
+                x = at_length(above, was.xyz, edge_length, k);
+            }
+            x = keep_out(k, Ends(start_above, was.xyz), Ends(above, x), room, after);
             s[at(k, X)] = vec4<f32>(x, was.w);
             s[at(k, PREV)].w = room_after(room, was.xyz, x);
         }
         above = x;
+        start_above = was.xyz;
     }
 }
 
-// Keep out a vertex that goes from `start` to `x`; `room` is what is kept of it, in the last step not its room.
-fn keep_out(k: u32, start: vec3<f32>, x: vec3<f32>, room: f32, after: Pose) -> vec3<f32> {
-    if !is_last && room > STEEPEST * distance(start, x) {
+// Keep out a vertex that goes from `start` to `end`, the free ends of its edge; `room` is what is kept of it, in the last step not
+// its room.
+fn keep_out(k: u32, start: Ends, end: Ends, room: f32, after: Pose) -> vec3<f32> {
+    var x = end.free;
+    if is_last || room <= STEEPEST * distance(start.free, x) {
+        x = contact_keep_out(start.free, x, rest[at(k, PLACE)].w, along_strand(k), after);
+    }
+    if THIN_COLLIDERS == 0u {
         return x;
     }
-    return contact_keep_out(start, x, rest[at(k, PLACE)].w, along_strand(k), after);
+    return keep_edge_out(start, Ends(end.held, x), along_strand(k), after);
 }
 
 // What is kept of a vertex that has gone from `start` to `x`.

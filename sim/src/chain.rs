@@ -156,13 +156,14 @@ pub fn step_chain(
         lengths(s, rest, p, 1);
         angles(s, rest, p, after);
         contacts(s, rest, obstacles, [before, carry, after], rooms);
+        edges(s, obstacles, [before, after], rooms, true);
     }
     for k in 0..s.len() {
         let (x, prev) = (s[k].x.xyz(), s[k].prev.xyz());
         rooms[k] = (rooms[k] - STEEPEST * obstacles.way(x, prev, carry.apply(prev))).max(0.0);
     }
     for _ in 0..CLOSINGS {
-        if close_lengths(s, rest, obstacles, after, rooms) < CLOSED {
+        if close_lengths(s, rest, obstacles, [before, after], rooms) < CLOSED {
             break;
         }
     }
@@ -278,13 +279,46 @@ fn contacts(
     }
 }
 
+/// Keep edges out of thin colliders on their way from where the step began, every second one and then the others, by their upper
+/// vertices; returns how far these moved the farthest, cm. In a contact a vertex loses velocity, in a correction it keeps
+/// what it has.
+fn edges(
+    s: &mut [ChainVertex],
+    obstacles: Obstacles<'_>,
+    [before, after]: [Pose; 2],
+    rooms: &mut [f32],
+    is_contact: bool,
+) -> f32 {
+    let mut farthest = 0.0_f32;
+    if !obstacles.has_thin() {
+        return farthest;
+    }
+    for batch in 0..2 {
+        for k in (N_PINNED + batch..s.len()).step_by(2) {
+            let along = k as f32 / (s.len() - 1) as f32;
+            let start = [s[k - 1].begun.xyz(), s[k].begun.xyz()];
+            let (free, prev) = (s[k].x.xyz(), s[k].prev.xyz());
+            let contacted = obstacles.collide_edge(start, [s[k - 1].x.xyz(), free], prev, along, before, after);
+            if contacted.x != free {
+                let moved = contacted.x - free;
+                let prev = if is_contact { contacted.prev } else { prev + moved };
+                s[k].x = contacted.x.extend(s[k].x.w);
+                s[k].prev = prev.extend(0.0);
+                rooms[k] = 0.0;
+                farthest = farthest.max(moved.length());
+            }
+        }
+    }
+    farthest
+}
+
 /// Put every vertex at its distance from the one below, in the direction that it has, and out of all obstacles, without
 /// giving velocity; returns how far obstacles moved the farthest, cm.
 fn close_lengths(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
     obstacles: Obstacles<'_>,
-    after: Pose,
+    [before, after]: [Pose; 2],
     rooms: &mut [f32],
 ) -> f32 {
     let mut farthest = 0.0_f32;
@@ -310,7 +344,7 @@ fn close_lengths(
         s[k].x = kept.extend(s[k].x.w);
         s[k].prev += (kept - closed).extend(0.0);
     }
-    farthest
+    farthest.max(edges(s, obstacles, [before, after], rooms, false))
 }
 
 /// Towards the local shape: where the turn of the edge below would take the edge above it. All at once, from where vertices

@@ -11,6 +11,8 @@
 //! the obstacles, is longer than half of the thinnest of them is marched along it: the distance says how far it can go
 //! without meeting anything. Where it meets something, the rest of the way goes along the surface. Smaller steps for
 //! all were rejected: every strand would pay for the fastest.
+//!
+//! **How thin.** Colliders that would slip between two vertices: sim/src/edge.rs.
 
 use glam::{Quat, Vec3};
 use lorelei_core::collider::{Attachment, MOST_COLLIDERS};
@@ -41,7 +43,9 @@ pub struct ContactParams {
     pub march_from: f32,
     /// Farthest way of a collider in a frame, cm.
     pub capsule_way: f32,
-    pub pad: [u32; 3],
+    /// Colliders are thin that keep hair no farther than this from their axis, cm: the longest edge of a strand.
+    pub thin_below: f32,
+    pub pad: [u32; 2],
 }
 
 /// A collider that is on. Layout of `Capsule` in WGSL. Centimetres, head space or world.
@@ -114,11 +118,11 @@ pub(crate) fn faces_of(field: &DistanceField) -> Vec<[f32; 4]> {
 /// Rest distance where there is nothing to collide with.
 pub(crate) const NOTHING_NEAR: f32 = 1e9;
 /// Places that a march looks at.
-const MARCH_STEPS: u32 = 16;
+pub(crate) const MARCH_STEPS: u32 = 16;
 /// The direction away from the head is asked for from here on, centimetres.
 const NEAR: f32 = 1.0;
 /// A march has arrived this near, centimetres.
-const ARRIVED: f32 = 0.01;
+pub(crate) const ARRIVED: f32 = 0.01;
 
 /// Most that the distance to an obstacle changes with the place: between nodes whose values change by no more than their
 /// distance, the trilinear one by the square root of three. What is farther from a contact than this times its way meets none,
@@ -197,7 +201,8 @@ impl<'a> Obstacles<'a> {
             pearl,
             march_from: 0.5 * thinnest,
             capsule_way: capsules.iter().map(way).fold(0.0, f32::max),
-            pad: [0; 3],
+            thin_below: 0.0,
+            pad: [0; 2],
         };
         Self { field, capsules, params, moments: [1.0; 2] }
     }
@@ -296,7 +301,7 @@ impl<'a> Obstacles<'a> {
     }
 
     /// Where a place on what is touched has gone in the step.
-    fn carried(&self, touch: Touch, place: Vec3, before: Pose, after: Pose) -> Vec3 {
+    pub(crate) fn carried(&self, touch: Touch, place: Vec3, before: Pose, after: Pose) -> Vec3 {
         let carried = if touch.on_head { after.after_inverse_of(&before).apply(place) } else { place };
         carried + (self.moments[1] - self.moments[0]) * touch.shift
     }
@@ -361,7 +366,7 @@ impl<'a> Obstacles<'a> {
 
 impl Capsule {
     /// Where its ends are at a share of the frame.
-    fn ends_at(&self, moment: f32) -> (Vec3, Vec3) {
+    pub(crate) fn ends_at(&self, moment: f32) -> (Vec3, Vec3) {
         let at = |now: [f32; 3], before: [f32; 3]| {
             let (now, before) = (Vec3::from_array(now), Vec3::from_array(before));
             before + moment * (now - before)

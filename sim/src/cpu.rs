@@ -10,7 +10,7 @@ use crate::air::{AirFrame, CpuAir};
 use crate::clock::{Clock, Frame};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from};
 use crate::follow::Following;
-use crate::layer::SimulatedLayer;
+use crate::layer::{SimulatedLayer, longest_edge};
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::pull::{Pull, PullParams};
@@ -248,6 +248,7 @@ impl CpuSolver {
         let hair: Vec<HairLayer<'_>> = hair.collect();
         let air = self.air.advance(air_frame, &rests, &hair);
         let pull = PullParams::new(self.pull.as_ref(), frame.shown);
+        let obstacles = obstacles.for_edges(longest_edge(self.layers.iter()));
         for layer in &mut self.layers {
             layer.run(&air, obstacles, &pull, frame);
         }

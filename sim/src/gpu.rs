@@ -15,7 +15,7 @@ use crate::air::{AirFrame, GpuAir, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from, faces_of};
 use crate::follow::{Followed, Following};
-use crate::layer::SimulatedLayer;
+use crate::layer::{SimulatedLayer, longest_edge};
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
 use crate::pull::{Pull, PullParams};
@@ -162,6 +162,8 @@ pub struct GpuSolver {
     gpu: Gpu,
     library: ShaderLibrary,
     kernel: Kernel,
+    /// The kernel asks about edges too: see [`Obstacles::has_thin`].
+    has_thin: bool,
     /// Where some layer's guides follow other curves.
     follow: Option<Kernel>,
     layers: Vec<Layer>,
@@ -214,11 +216,14 @@ impl GpuSolver {
             }
             layers.push(layer);
         }
-        let kernel = kernel_for(gpu, library, settings)?;
+        let edge = longest_edge(layers.iter().map(|layer| &layer.model));
+        let has_thin = obstacles.for_edges(edge).has_thin();
+        let kernel = kernel_for(gpu, library, settings, has_thin)?;
         let volume = volume_of(gpu, library, &layers, settings)?;
         let faces = field.map_or_else(Vec::new, faces_of);
         Ok(Self {
             kernel,
+            has_thin,
             follow,
             windage: (layers.iter().zip(hair))
                 .map(|(layer, hair)| windage_of(gpu, layer, hair.g_per_cm, settings.moved))
@@ -242,9 +247,6 @@ impl GpuSolver {
     /// they need does not link.
     pub fn set_settings(&mut self, settings: &SimulationSettings) -> Result<(), ShaderError> {
         let is_other_law = self.settings.solver != settings.solver;
-        if is_other_law || self.settings.wind != settings.wind {
-            self.kernel = kernel_for(&self.gpu, &self.library, settings)?;
-        }
         let mut are_moved = false;
         if self.settings.colliders != settings.colliders {
             let mut capsules = capsules_of(settings);
@@ -253,6 +255,11 @@ impl GpuSolver {
             self.capsules = capsules;
         }
         let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, settings);
+        let has_thin = obstacles.for_edges(self.longest_edge()).has_thin();
+        if is_other_law || self.settings.wind != settings.wind || self.has_thin != has_thin {
+            self.kernel = kernel_for(&self.gpu, &self.library, settings, has_thin)?;
+            self.has_thin = has_thin;
+        }
         for layer in &mut self.layers {
             if is_other_law {
                 let followed = layer.followed.take();
@@ -441,6 +448,10 @@ impl GpuSolver {
         self.air.grid()
     }
 
+    fn longest_edge(&self) -> f32 {
+        longest_edge(self.layers.iter().map(|layer| &layer.model))
+    }
+
     fn record(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -448,7 +459,8 @@ impl GpuSolver {
         frame_secs: f32,
     ) -> Result<(), ShaderError> {
         self.crowd(encoder, frame)?;
-        let obstacles = Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings);
+        let obstacles =
+            Obstacles::new(self.field.as_ref(), &self.capsules, &self.settings).for_edges(self.longest_edge());
         let contact = self.gpu.buffer_of("sim.contact", &[obstacles.params], wgpu::BufferUsages::UNIFORM);
         let capsules = self.gpu.buffer_of("sim.capsules", &self.capsules, wgpu::BufferUsages::STORAGE);
         let contact = [
@@ -559,10 +571,16 @@ fn volume_of(
     grid.map(|grid| GpuVolume::new(gpu, library, &grid, lanes).map(|volume| (grid, volume))).transpose()
 }
 
-fn kernel_for(gpu: &Gpu, library: &ShaderLibrary, settings: &SimulationSettings) -> Result<Kernel, ShaderError> {
+fn kernel_for(
+    gpu: &Gpu,
+    library: &ShaderLibrary,
+    settings: &SimulationSettings,
+    has_thin: bool,
+) -> Result<Kernel, ShaderError> {
     let file = match settings.solver {
         Solver::Rods => "sim_rod",
         Solver::Chains => "sim_chain",
     };
-    library.kernel(gpu, file, "advance", &[], &[Link::Slot("sim_air", module(settings))])
+    let overrides = [("THIN_COLLIDERS", f64::from(u32::from(has_thin)))];
+    library.kernel(gpu, file, "advance", &overrides, &[Link::Slot("sim_air", module(settings))])
 }

@@ -18,11 +18,18 @@ use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodVertex, step_rod};
 use crate::rod_rest::{self, RodRest};
 use crate::volume::shares_of;
 
+/// Of all layers, cm.
+pub(crate) fn longest_edge<'a>(layers: impl Iterator<Item = &'a SimulatedLayer>) -> f32 {
+    layers.map(|layer| layer.longest_edge).fold(0.0, f32::max)
+}
+
 /// Guides, and how they move.
 #[derive(Debug, Clone)]
 pub struct SimulatedLayer {
     guides: GuideSet,
     pub rest: Rest,
+    /// Between two vertices at rest, cm.
+    longest_edge: f32,
     hold: Hold,
     law: Law,
     /// What the picture shows: vertex `k` of guide `g` at `g * n_vertices + k`.
@@ -47,7 +54,10 @@ impl SimulatedLayer {
         let rest = Rest { ties: ties.to_vec(), ..Rest::new(guides, obstacles) };
         let law = Law::new(&rest, settings, pose);
         let hold = Hold::new(settings);
-        let mut layer = Self { guides: guides.clone(), rest, hold, law, shown: Vec::new() };
+        let n = rest.n_vertices.max(1) as usize;
+        let edges = rest.vertices.chunks(n).flat_map(|strand| strand.windows(2));
+        let longest_edge = edges.map(|edge| edge[0].xyz().distance(edge[1].xyz())).fold(0.0, f32::max);
+        let mut layer = Self { guides: guides.clone(), rest, longest_edge, hold, law, shown: Vec::new() };
         layer.reset(pose);
         layer
     }

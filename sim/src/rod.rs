@@ -317,9 +317,10 @@ fn sweep_to_tip(
     let h = p.step_secs;
     let mut touches = false;
     let (mut omega, mut dx) = (Vec3::ZERO, Vec3::ZERO);
-    let mut below = Vec3::ZERO;
+    let (mut below, mut was_below) = (Vec3::ZERO, Vec3::ZERO);
     for k in 0..s.len().min(N_PINNED) {
-        s[k].prev = s[k].x;
+        was_below = s[k].x;
+        s[k].prev = was_below;
         below = after.apply(rest[k].place.xyz());
         s[k].x = below;
     }
@@ -352,6 +353,9 @@ fn sweep_to_tip(
         let carried = carry.apply(was);
         let mut acceleration = (x - was) - (was - s[k + 1].prev);
         let mut contacted = collide(rest, obstacles, k + 1, x, was, room, [before, after], carried);
+        let edge = [[was_below, was], [s[k].x, contacted.x]];
+        contacted = collide_edge(rest, obstacles, k + 1, edge, contacted, [before, after]);
+        was_below = was;
         touches |= contacted.x != x;
         if presses {
             // It gives no velocity, and is left out of the acceleration: where that points tells whether it presses still.
@@ -384,6 +388,23 @@ fn collide(
         return Contacted { x, prev, room: left };
     }
     obstacles.collide(x, prev, rest[k].place.w, along(rest, k), before, after)
+}
+
+/// Keep the edge between vertex `k`, `contacted` alone, and the one before it out of thin colliders.
+fn collide_edge(
+    rest: &[RodRest],
+    obstacles: Obstacles<'_>,
+    k: usize,
+    [start, end]: [[Vec3; 2]; 2],
+    contacted: Contacted,
+    [before, after]: [Pose; 2],
+) -> Contacted {
+    if !obstacles.has_thin() {
+        return contacted;
+    }
+    let of_edge = obstacles.collide_edge(start, end, contacted.prev, along(rest, k), before, after);
+    let room = (contacted.room - STEEPEST * of_edge.x.distance(contacted.x)).max(0.0);
+    Contacted { room, ..of_edge }
 }
 
 /// What vertex `k` lies on that would go with the head from `prev` to `carried`.
@@ -431,13 +452,14 @@ fn reach_from_root(
     kept: &mut [Eliminated],
 ) -> bool {
     let mut is_held = false;
+    let mut start_below = s[N_PINNED - 1].x;
     for k in N_PINNED..s.len() {
         let below = s[k - 1].x;
         let length = rest[k - 1].length;
         let start = s[k].x;
         let mut x = at_length(below, start, length, s[k - 1].frame);
         for _ in 0..p.n_iterations {
-            let kept = keep_out(rest, obstacles, k, [start, x], kept[k].room, after);
+            let kept = keep_out(rest, obstacles, k, [start, x], [start_below, below], kept[k].room, after);
             if kept == x {
                 break;
             }
@@ -448,6 +470,7 @@ fn reach_from_root(
             }
             x = turned_out(below, x, kept, length, s[k - 1].frame);
         }
+        start_below = start;
         s[k].prev += x - start;
         s[k].x = x;
         kept[k].room = room_after(kept[k].room, start, x);
@@ -463,14 +486,17 @@ fn reach_from_tip(
     after: Pose,
     kept: &mut [Eliminated],
 ) {
+    let mut start_above = s[s.len() - 1].x;
     for k in (N_PINNED..s.len() - 1).rev() {
         let length = rest[k].length;
         let (start, above) = (s[k].x, s[k + 1].x);
-        if start.distance(above) > 1.001 * length {
-            let pulled = at_length(above, start, length, s[k].frame);
-            s[k].x = keep_out(rest, obstacles, k, [start, pulled], kept[k].room, after);
+        let is_long = start.distance(above) > 1.001 * length;
+        if is_long || obstacles.has_thin() {
+            let pulled = if is_long { at_length(above, start, length, s[k].frame) } else { start };
+            s[k].x = keep_out(rest, obstacles, k, [start, pulled], [start_above, above], kept[k].room, after);
             kept[k].room = room_after(kept[k].room, start, s[k].x);
         }
+        start_above = start;
     }
 }
 
@@ -480,13 +506,18 @@ fn keep_out(
     obstacles: Obstacles<'_>,
     k: usize,
     [start, x]: [Vec3; 2],
+    [start_beside, beside]: [Vec3; 2],
     room: f32,
     after: Pose,
 ) -> Vec3 {
-    if room > STEEPEST * start.distance(x) {
-        return x;
+    let mut kept = x;
+    if room <= STEEPEST * start.distance(x) {
+        kept = obstacles.keep_out(start, x, rest[k].place.w, along(rest, k), after);
     }
-    obstacles.keep_out(start, x, rest[k].place.w, along(rest, k), after)
+    if !obstacles.has_thin() {
+        return kept;
+    }
+    obstacles.keep_edge_out([start_beside, start], [beside, kept], along(rest, k), after)
 }
 
 /// How far from a contact a vertex still is that has gone from `start` to `x`.
