@@ -1,13 +1,16 @@
 //! How well a solver keeps its laws: lengths, depth in the head, energy, and whether every number is finite.
 
+use std::ops::Range;
+
 use glam::{Vec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 use crate::contact::Obstacles;
 use crate::pose::Pose;
 use crate::rest::Rest;
 use crate::rod::N_PINNED;
 
-/// One layer, or several taken together with [`Measure::and`].
+/// Some strands, or several of these taken together with [`Measure::and`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measure {
     /// Root mean square of each edge's length over its rest length, less 1.
@@ -43,7 +46,7 @@ impl Default for Measure {
 }
 
 impl Measure {
-    /// Two layers as one.
+    /// Two layers, or two parts of one, taken together.
     pub fn and(&self, other: &Self) -> Self {
         let n = self.n_vertices + other.n_vertices;
         let mean = |a: f32, b: f32| (a * self.n_vertices as f32 + b * other.n_vertices as f32) / n.max(1) as f32;
@@ -70,11 +73,35 @@ pub fn measure(
     previous: &[Vec4],
     step_secs: f32,
 ) -> Measure {
+    let of_strands = STRANDS_AT_ONCE * rest.n_vertices.max(1) as usize;
+    let first = (0..rest.vertices.len()).into_par_iter().step_by(of_strands);
+    let measured: Vec<Measure> = first
+        .map(|first| {
+            let strands = first..(first + of_strands).min(rest.vertices.len());
+            measure_strands(rest, obstacles, pose, positions, previous, step_secs, strands)
+        })
+        .collect();
+    measured.iter().fold(Measure::default(), |sum, strands| sum.and(strands))
+}
+
+/// Strands that a thread measures at a time.
+const STRANDS_AT_ONCE: usize = 256;
+
+/// Those of whole strands.
+fn measure_strands(
+    rest: &Rest,
+    obstacles: Obstacles<'_>,
+    pose: Pose,
+    positions: &[Vec4],
+    previous: &[Vec4],
+    step_secs: f32,
+    vertices: Range<usize>,
+) -> Measure {
     let n = rest.n_vertices as usize;
     let mut measure = Measure::default();
     let (mut squared_error, mut n_edges) = (0.0_f64, 0_usize);
     let (mut energy, mut squared_from_rest) = (0.0_f64, 0.0_f64);
-    for idx in 0..rest.vertices.len() {
+    for idx in vertices {
         let k = idx % n;
         let x = positions[idx].xyz();
         if !x.is_finite() {
