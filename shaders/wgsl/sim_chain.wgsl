@@ -69,12 +69,11 @@ var<workgroup> is_any_open: u32;
 // Of each strand of the workgroup.
 var<workgroup> is_broken: array<atomic<u32>, LANES>;
 
-// Verlet's rule for one vertex: where it goes from `x` (xyz), times the springs that hold it and one; their stiffness (w). With the
-// head it would go to `carried`.
+// Verlet's rule for one vertex: where it goes from `x` (xyz) times one more than the stiffness of the hand on it (w). With the head
+// it would go to `carried`.
 fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3<f32>, after: Pose) -> vec4<f32> {
-    let styled = pose_apply(after, at.place.xyz);
     if k < N_PINNED {
-        return vec4<f32>(styled, 0.0);
+        return vec4<f32>(pose_apply(after, at.place.xyz), 0.0);
     }
     let with_head = carried - x;
     var v = with_head + chain.keep * (x - prev - with_head);
@@ -82,10 +81,18 @@ fn integrate(k: u32, x: vec3<f32>, prev: vec3<f32>, at: ChainRest, carried: vec3
     let squared_step = chain.step_secs * chain.step_secs;
     let forces = squared_step * rotate(after.rotation, at.support.xyz);
     let free = x + clamp_length(v, MAX_SPEED * chain.step_secs) + (chain.gravity_step + forces);
-    let stiffness = squared_step * at.numbers.x;
     let pull = pull_on(asked.pull, k, asked.n_vertices, at.place.xyz, carried, after);
     let pulled = squared_step * pull.w;
-    return vec4<f32>(free + stiffness * styled + pulled * (carried + pull.xyz), stiffness + pulled);
+    return vec4<f32>(free + pulled * (carried + pull.xyz), pulled);
+}
+
+// The hold to the style, of a vertex that the pulls take to `x`.
+fn hold(k: u32, x: vec3<f32>, at: ChainRest, after: Pose) -> vec3<f32> {
+    if k < N_PINNED {
+        return x;
+    }
+    let stiffness = chain.step_secs * chain.step_secs * at.numbers.x;
+    return x + (pose_apply(after, at.place.xyz) - x) * (stiffness / (1.0 + stiffness));
 }
 
 // Where a vertex goes that `integrate` sends to `to`: see take_pulls in sim/src/chain.rs. One equation a vertex, with its
@@ -262,7 +269,7 @@ fn advance(
         var carried = pose_apply(asked.carries[step], x);
         let to = integrate(k, x, prev, rest[i], carried, after);
         let w_below = select(0.0, chain.step_secs * chain.step_secs * pull / max(rest_length, SHORTEST), is_free);
-        let moved = take_pulls(lane, k, is_here, to, w_below);
+        let moved = hold(k, take_pulls(lane, k, is_here, to, w_below), rest[i], after);
         prev = x;
         if is_here {
             x_of[lane] = moved;

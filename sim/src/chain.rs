@@ -175,8 +175,8 @@ pub fn step_chain(
     }
 }
 
-/// Verlet's rule with gravity and air, and the springs: the pulls of the edges, the hold to the style, and a hand. Pinned
-/// vertices go with the head.
+/// Verlet's rule with gravity and air, the pulls of the edges and of a hand, then the hold to the style. Pinned vertices go
+/// with the head.
 fn integrate(
     s: &mut [ChainVertex],
     rest: &[ChainRest],
@@ -189,11 +189,10 @@ fn integrate(
     let n = s.len();
     let squared_step = p.step_secs * p.step_secs;
     let mut to: Vec<Vec3> = Vec::with_capacity(n);
-    let mut held = vec![0.0; n];
+    let mut pulled = vec![0.0; n];
     for k in 0..n {
-        let styled = after.apply(rest[k].place.xyz());
         if k < N_PINNED {
-            to.push(styled);
+            to.push(after.apply(rest[k].place.xyz()));
             continue;
         }
         let x = s[k].x.xyz();
@@ -203,30 +202,33 @@ fn integrate(
         v += p.take_up * (rest[k].numbers.y * p.step_secs * air.velocity(x) - v);
         let forces = squared_step * rotate(after.rotation, rest[k].support.xyz());
         let free = x + clamp_length(v, MAX_SPEED * p.step_secs) + (Vec3::from_array(p.gravity_step) + forces);
-        let stiffness = squared_step * rest[k].numbers.x;
         let (pull_way, strength) = pull.on(k, n, rest[k].place.xyz(), carried, after);
-        let pulled = squared_step * strength;
-        held[k] = stiffness + pulled;
-        to.push(free + stiffness * styled + pulled * (carried + pull_way));
+        pulled[k] = squared_step * strength;
+        to.push(free + pulled[k] * (carried + pull_way));
     }
-    take_pulls(&mut to, &held, s, rest, squared_step);
+    take_pulls(&mut to, &pulled, s, rest, squared_step);
     for k in 0..n {
+        let mut moved = to[k];
+        if k >= N_PINNED {
+            let stiffness = squared_step * rest[k].numbers.x;
+            moved += (after.apply(rest[k].place.xyz()) - moved) * (stiffness / (1.0 + stiffness));
+        }
         s[k].prev = s[k].x.xyz().extend(0.0);
-        s[k].x = to[k].extend(s[k].x.w);
+        s[k].x = moved.extend(s[k].x.w);
     }
 }
 
-/// Where vertices go that springs of stiffness `held`, in units of the step's inertia, hold on their way to `to` over one more
+/// Where vertices go that a hand of stiffness `pulled`, in units of the step's inertia, holds on their way to `to` over one more
 /// than that. An edge that pulls with a force is a spring without a length whose stiffness is the force over the length of the
 /// edge, across the edge as along it. Implicit, one equation with three unknowns a vertex, so that it is stable at any step;
 /// at rest it is where the style is. The twin halves the equations instead, so that every vertex has a thread.
-fn take_pulls(to: &mut [Vec3], held: &[f32], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
+fn take_pulls(to: &mut [Vec3], pulled: &[f32], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
     let n = to.len();
     let stiffness = |k: usize| if k < n { squared_step * s[k].x.w / rest_length(rest, k).max(SHORTEST) } else { 0.0 };
     let mut above = vec![0.0; n];
     for k in N_PINNED..n {
         let (w_below, w_above) = (stiffness(k), stiffness(k + 1));
-        let scale = 1.0 / (1.0 + held[k] + w_below + w_above - w_below * above[k - 1]);
+        let scale = 1.0 / (1.0 + pulled[k] + w_below + w_above - w_below * above[k - 1]);
         above[k] = scale * w_above;
         to[k] = scale * (to[k] + w_below * to[k - 1]);
     }
