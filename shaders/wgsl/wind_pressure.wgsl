@@ -103,7 +103,10 @@ fn mean_openness(level: u32, c: vec3<u32>, axis: u32) -> f32 {
         b = side;
     }
     let at = at_level(level, c);
-    return 0.25 * (openness[at][axis] + openness[at + a][axis] + openness[at + b][axis] + openness[at + a + b][axis]);
+    let mean =
+        0.25 * (openness[at][axis] + openness[at + a][axis] + openness[at + b][axis] + openness[at + a + b][axis]);
+    let is_outer = c[axis] == 0u || c[axis] == n_of(level);
+    return select(mean, 2.0 * mean / (1.0 + 0.5 * mean), is_outer);
 }
 
 // What is left of the equations of `level`, as those of a coarser cell.

@@ -153,7 +153,10 @@ impl Pressure {
         let (a, b) = [(side, side * side), (1, side * side), (1, side)][axis];
         let at = self.levels.at_level(level, c);
         let open = |at: usize| self.openness[at][axis];
-        0.25 * (open(at) + open(at + a) + open(at + b) + open(at + a + b))
+        let mean = 0.25 * (open(at) + open(at + a) + open(at + b) + open(at + a + b));
+        // Outside there is nothing: a coarser cell is farther from the face, which resists as it did.
+        let is_outer = c[axis] == 0 || c[axis] == self.levels.n_of(level);
+        if is_outer { 2.0 * mean / (1.0 + 0.5 * mean) } else { mean }
     }
 
     /// What is left of the equations of `level`, as those of a coarser cell: openness of its lower faces and of its upper
