@@ -36,15 +36,24 @@ impl Groom {
         }
     }
 
-    /// The edit that adds a layer of guides as they are now, above all others, which looks like layer `layer_idx`. `None`
-    /// where there is no such layer, or no guide.
+    /// The edit that adds a layer of guides as they are now, above all others, which looks like layer `layer_idx`. At a parting
+    /// of a hair mesh guides begin a little on their own side. `None` where there is no such layer, or no guide.
     pub fn baked(&self, layer_idx: usize, moved: &GuideSet) -> Option<Edit> {
         let layer = self.layers.get(layer_idx)?;
         if moved.n_guides() == 0 || !moved.positions.iter().all(|p| p.is_finite()) {
             return None;
         }
+        let asides = match &layer.source {
+            Source::HairMesh(mesh) => asides_at_partings(mesh),
+            Source::Guides(_) | Source::Strands(_) => Vec::new(),
+        };
         let mut strands = Strands::default();
-        (0..moved.n_guides()).for_each(|guide_idx| strands.push(moved.guide(guide_idx)));
+        for guide_idx in 0..moved.n_guides() {
+            let aside = asides.get(guide_idx).copied().unwrap_or_default();
+            let n = moved.n_vertices.max(2) as f32 - 1.0;
+            let beside = |(k, p): (usize, &Vec3)| *p + aside * (1.0 - k as f32 / n);
+            strands.push(&moved.guide(guide_idx).iter().enumerate().map(beside).collect::<Vec<_>>());
+        }
         let source = Source::Guides(Arc::new(strands));
         let baked = Layer {
             name: format!("{}, baked", layer.name),
@@ -98,6 +107,32 @@ fn strands_at(strands: &Strands, moved: &GuideSet) -> Option<Strands> {
     Some(result)
 }
 
+/// How much nearer to the middle of their faces two guides begin that have one root.
+const ASIDE: f32 = 0.15;
+
+/// Per chain how far its root is to go towards the middle of its own faces: where chains part from one root, hair would else
+/// not know which of them it is nearest to, and lie across the parting.
+fn asides_at_partings(mesh: &HairMesh) -> Vec<Vec3> {
+    let chains = mesh.chains();
+    let Some(roots) = mesh.layers.first().map(|layer| &layer.positions) else { return Vec::new() };
+    let mut n_from = vec![0; roots.len()];
+    chains.chains.iter().for_each(|chain| n_from[chain[0] as usize] += 1);
+    let mut middles = vec![(Vec3::ZERO, 0.0); chains.chains.len()];
+    for corners in chains.of_bundle.iter().filter(|corners| !corners.is_empty()) {
+        let root = |&chain: &u32| roots[chains.chains[chain as usize][0] as usize];
+        let middle = corners.iter().map(root).sum::<Vec3>() / corners.len() as f32;
+        for &chain in corners {
+            let (sum, n) = &mut middles[chain as usize];
+            (*sum, *n) = (*sum + middle, *n + 1.0);
+        }
+    }
+    let aside = |(chain, (sum, n)): (&Vec<u32>, (Vec3, f32))| {
+        let root = chain[0] as usize;
+        if n_from[root] > 1 { ASIDE * (sum / n - roots[root]) } else { Vec3::ZERO }
+    };
+    chains.chains.iter().zip(middles).map(aside).collect()
+}
+
 /// Where the vertices of a hair mesh's chains are along guides that were made of them; the root layer stays.
 fn vertices_at(mesh: &HairMesh, moved: &GuideSet) -> Option<Vec<(VertexId, Vec3)>> {
     let chains = mesh.chains();
@@ -120,7 +155,7 @@ fn vertices_at(mesh: &HairMesh, moved: &GuideSet) -> Option<Vec<(VertexId, Vec3)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hair_mesh::HairMeshLayer;
+    use crate::hair_mesh::{HairMeshLayer, Weld};
     use crate::moved::MovedHair;
     use crate::simulation::Moved;
 
@@ -213,6 +248,35 @@ mod tests {
         assert_eq!(groom.layers.len(), 2);
         let Source::Guides(strands) = &groom.layers[1].source else { panic!() };
         assert_eq!(GuideSet::of_strands(strands), moved);
+    }
+
+    #[test]
+    fn a_parting_is_still_there_when_it_was_baked() {
+        let mut mesh = crate::hair_mesh::tests::straight_grid(2, 0);
+        let away = |sign: f32| move |p: Vec3| p + Vec3::new(3.0 * sign, -1.0, 0.0);
+        for _ in 0..3 {
+            mesh.extrude(&[0, 2], Weld::Neighbours, |v| away(-1.0)(v.position)).unwrap();
+            mesh.extrude(&[1, 3], Weld::Apart, |v| away(1.0)(v.position)).unwrap();
+        }
+        let mut groom = groom_of(Source::HairMesh(Arc::new(mesh)));
+        groom.layers[0].n_strands = 400;
+        let moved = guides_of(&groom);
+        groom.apply(groom.baked(0, &moved).unwrap()).unwrap();
+        let binding = crate::binding::bind_layer(&groom.layers[1], None);
+        let n = binding.guides.n_vertices as usize;
+        let mut n_seen = 0;
+        for strand_idx in 0..binding.n_strands() {
+            let from_parting = binding.roots[strand_idx].x - 1.0;
+            let tip_of = |guide_idx: u32| binding.guides.positions[guide_idx as usize * n + n - 1].x - 1.0;
+            for influence in binding.influences(strand_idx) {
+                // Nearer than a twentieth of a face it may be either.
+                if from_parting.abs() > 0.05 && influence.weight > 0.01 {
+                    n_seen += 1;
+                    assert_eq!(tip_of(influence.guide_idx) > 0.0, from_parting > 0.0, "{from_parting} cm from it");
+                }
+            }
+        }
+        assert!(n_seen > 300, "{n_seen}");
     }
 
     #[test]

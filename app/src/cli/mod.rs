@@ -170,13 +170,13 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// Refuse a picture's name that does not end in .png.
-fn check_png(out: &Path) -> Result<(), CliError> {
+/// Refuse a picture's name, given by an option, that does not end in .png.
+fn check_png(option: &str, out: &Path) -> Result<(), CliError> {
     let extension = out.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     if extension.as_deref() == Some("png") {
         return Ok(());
     }
-    Err(CliError::Usage(format!("--out {}: let the name end in .png", out.display())))
+    Err(CliError::Usage(format!("{option} {}: let the name end in .png", out.display())))
 }
 
 /// Make the folder that a file is to be written into, where there is none.

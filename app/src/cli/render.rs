@@ -43,7 +43,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "NAME", value_parser = parse_motion, requires = "seconds")]
     motion: Option<Motion>,
     /// How long it moves before the picture is taken.
-    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
     seconds: Option<f32>,
     /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
     /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
@@ -163,7 +163,7 @@ pub(super) fn parse_seconds(text: &str) -> Result<f32, String> {
 
 pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
     if arguments.turntable.is_none() {
-        check_png(&arguments.out)?;
+        check_png("--out", &arguments.out)?;
     }
     let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
     let Movement { motion, .. } = groom.movement;

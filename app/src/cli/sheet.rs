@@ -55,7 +55,7 @@ fn parse_slot(text: &str) -> Result<SlotArgument, String> {
 
 pub fn run(arguments: &SheetArguments) -> Result<(), CliError> {
     if let (SlotArgument::One(_), Some(out)) = (&arguments.slot, &arguments.out) {
-        super::check_png(out)?;
+        super::check_png("--out", out)?;
     }
     let scene = arguments.scene.read(arguments.size, &[])?;
     for warning in &scene.warnings {

@@ -53,10 +53,10 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "NAME", requires = "animation")]
     node: Option<String>,
     /// How long it moves. Without it: the groom's range.
-    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
     seconds: Option<f32>,
     /// How long it rests then, after the motion has gone on to its end.
-    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", default_value = "4", value_parser = parse_seconds, allow_negative_numbers = true)]
     rest: f32,
     /// A fan or a vortex, as often as there are any: centimetres in the world, and speed, radius, falloff, gusts,
     /// gust-period, eddies, eddy-size, seed, name, to=X/Y/Z (where it blows to: else the groom's middle). The wind
@@ -64,10 +64,10 @@ pub struct SimulateArguments {
     #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true)]
     wind_sources: Vec<SourceArgument>,
     /// Let this much time pass before the first frame.
-    #[arg(long, value_name = "S", value_parser = parse_seconds)]
+    #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
     warm_up: Option<f32>,
     /// Frames a second: where the hair is measured and drawn. The steps between are the solver's own.
-    #[arg(long, value_name = "N", value_parser = parse_fps)]
+    #[arg(long, value_name = "N", value_parser = parse_fps, allow_negative_numbers = true)]
     fps: Option<f32>,
     /// The solver of the graphics device, or its twin on all cores.
     #[arg(long, value_enum, default_value = "gpu")]
@@ -150,7 +150,7 @@ impl Tally {
 
 pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.filmstrip {
-        check_png(path)?;
+        check_png("--filmstrip", path)?;
     }
     let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
     arguments.set_movement(&mut groom)?;
@@ -265,7 +265,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         return print_line(&json.to_string());
     }
     print_line(&format!(
-        "{}: {} for {} s, {} {} with {} vertices, {n_steps} steps on {adapter}",
+        "{}: {} for {:.2} s, {} {} with {} vertices, {n_steps} steps on {adapter}",
         groom.name,
         course.motion.info().label,
         f64::from(n_frames) / f64::from(fps),

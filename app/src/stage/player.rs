@@ -442,7 +442,9 @@ impl Player {
     /// A solver at a frame from which `to` can be reached: the one that is there, one from a kept state, or one at rest at
     /// the first frame.
     fn stand_before(&mut self, gear: &Gear<'_>, to: u32, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
-        if self.layers.is_empty() || self.moving.as_ref().is_some_and(|moving| moving.front <= to) {
+        let kept = self.frames.state_before(to).map_or(0, |(front, _)| front);
+        let is_near = |moving: &Moving| moving.front <= to && moving.front >= kept;
+        if self.layers.is_empty() || self.moving.as_ref().is_some_and(is_near) {
             return Ok(());
         }
         self.is_by_hand = false;

@@ -285,3 +285,27 @@ fn a_hand_pulls_while_it_plays_and_kept_frames_stay_as_they_were_without_it() {
     show.frame(1.0 / 60.0);
     assert!(show.stage.player().held().is_none());
 }
+
+#[test]
+fn playing_on_past_kept_frames_goes_on_from_the_last_of_them_and_never_shows_earlier_ones() {
+    let mut groom = groom();
+    groom.movement.at_end = AtEnd::GoOn;
+    let mut show = Show::new(&groom);
+    show.play(4);
+    assert!(show.at() < 6);
+    // The range is simulated elsewhere while the solver stands near its beginning.
+    let subject = Subject::of(show.stage.bound(), Moved::Guides);
+    let on = On::Gpu(Box::new(Gpu::headless().unwrap()));
+    let course = Course::of(&groom);
+    let ranged = simulate_range(on, &subject, &course, &groom.movement, 1 << 20, None, Watch::default()).unwrap();
+    assert!(show.stage.offer(&ranged));
+    show.seek(38);
+    show.playback.is_playing = true;
+    let mut last = 38;
+    for _ in 0..6 {
+        show.frame(1.0 / 60.0);
+        assert!(show.at() > last, "{} after {last}", show.at());
+        last = show.at();
+    }
+    assert!(last >= 44, "{last}");
+}

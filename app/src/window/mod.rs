@@ -369,9 +369,15 @@ impl eframe::App for Studio {
             || self.desk.renaming.is_some()
             || self.palette.is_some()
             || self.desk.tools.takes_keys();
+        let mut pressed = Vec::new();
         while let Some(command) = commands::pressed(&ctx, is_typing, self.desk.tools.active) {
-            self.desk.asked.push(command);
+            pressed.push(command);
         }
+        if pressed.contains(&commands::Command::Palette) {
+            // Letters that came with its key in one slow frame are for it.
+            pressed.retain(|&command| command == commands::Command::Palette);
+        }
+        self.desk.asked.append(&mut pressed);
         top_bar::ui(ui, self);
         status_bar::ui(ui, self);
         timeline::ui(ui, &mut self.desk);

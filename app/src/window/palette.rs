@@ -21,8 +21,30 @@ pub enum PaletteAnswer {
 }
 
 impl Palette {
+    /// Opened in this frame.
+    pub fn new(ctx: &egui::Context) -> Self {
+        let mut palette = Self::default();
+        palette.take_typed(ctx);
+        palette
+    }
+
+    /// What was typed in this frame, which the field does not see before it has the focus: Enter would else run the first
+    /// command of all.
+    fn take_typed(&mut self, ctx: &egui::Context) {
+        ctx.input(|input| {
+            for event in &input.events {
+                if let egui::Event::Text(text) = event {
+                    self.query.push_str(text);
+                }
+            }
+        });
+    }
+
     pub fn ui(&mut self, ctx: &egui::Context) -> PaletteAnswer {
         let mut answer = PaletteAnswer::StaysOpen;
+        if !self.had_focus {
+            self.take_typed(ctx);
+        }
         let (up, down, enter, escape) = ctx.input_mut(|input| {
             let mut take = |key| input.consume_key(egui::Modifiers::NONE, key);
             (take(Key::ArrowUp), take(Key::ArrowDown), take(Key::Enter), take(Key::Escape))
@@ -175,28 +197,30 @@ mod tests {
 
     #[test]
     fn what_was_typed_before_enter_counts_though_both_come_in_one_frame() {
-        let ctx = egui::Context::default();
-        let mut palette = Palette::default();
-        let mut frame = |events: Vec<Event>| {
-            let mut answer = PaletteAnswer::StaysOpen;
-            let mut output =
-                ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| answer = palette.ui(&ui.ctx().clone()));
-            // Nobody paints.
-            output.textures_delta.clear();
-            answer
-        };
-        // Opens, and takes the focus.
-        for _ in 0..3 {
-            assert!(matches!(frame(Vec::new()), PaletteAnswer::StaysOpen));
+        // In the frame in which it opens, and once it has the focus.
+        for n_before in [0, 3] {
+            let ctx = egui::Context::default();
+            let mut palette = Palette::default();
+            let mut frame = |events: Vec<Event>| {
+                let mut answer = PaletteAnswer::StaysOpen;
+                let mut output =
+                    ctx.run_ui(RawInput { events, ..RawInput::default() }, |ui| answer = palette.ui(&ui.ctx().clone()));
+                // Nobody paints.
+                output.textures_delta.clear();
+                answer
+            };
+            for _ in 0..n_before {
+                assert!(matches!(frame(Vec::new()), PaletteAnswer::StaysOpen));
+            }
+            let enter = Event::Key {
+                key: Key::Enter,
+                physical_key: None,
+                pressed: true,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            };
+            let answer = frame(vec![Event::Text("switch shadows".to_owned()), enter]);
+            assert!(matches!(answer, PaletteAnswer::Run(Command::ToggleShadows)), "after {n_before} frames");
         }
-        let enter = Event::Key {
-            key: Key::Enter,
-            physical_key: None,
-            pressed: true,
-            repeat: false,
-            modifiers: Modifiers::NONE,
-        };
-        let answer = frame(vec![Event::Text("switch shadows".to_owned()), enter]);
-        assert!(matches!(answer, PaletteAnswer::Run(Command::ToggleShadows)));
     }
 }

@@ -135,7 +135,7 @@ impl Studio {
             Command::PlayMacro => self.choose(ctx, Purpose::PlayMacro),
             Command::ClearHistory => self.desk.document.history.clear(),
             Command::Palette => {
-                self.palette = if self.palette.is_some() { None } else { Some(Palette::default()) };
+                self.palette = if self.palette.is_some() { None } else { Some(Palette::new(ctx)) };
             }
             Command::Tool(tool) => self.take_tool(ctx, tool),
             Command::Mesh(command) => tools::mesh::run(&mut self.desk, command),

@@ -37,14 +37,17 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
 /// Frame and time, and what is to be said about them.
 fn words(desk: &Desk, movement: &Movement) -> String {
     let timeline = &desk.report.timeline;
-    let at = format!("{} / {}   {:.2} s", timeline.at, movement.end, timeline.secs);
+    let mut at = format!("{} / {}   {:.2} s", timeline.at, movement.end, timeline.secs);
+    if timeline.is_by_hand {
+        at += "   by hand";
+    }
     if let Some(wanted) = timeline.wanted {
         return format!("{at}   to {wanted}\u{2026}");
     }
     if desk.playback.is_playing && timeline.speed < SLOW {
         return format!("{at}   {:.0} % speed", 100.0 * timeline.speed);
     }
-    if timeline.is_by_hand { format!("{at}   by hand") } else { at }
+    at
 }
 
 /// What a button of the transport shows; the font has no such signs.

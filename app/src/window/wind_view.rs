@@ -129,11 +129,14 @@ fn velocity_at(air: &AirGrid, p: Vec3) -> Option<Vec3> {
     (open > 0.5).then_some(v)
 }
 
-/// What the colours end at: a little over the steady wind, or the fastest stream.
+/// What the colours end at: a little over the steady wind, or the fastest stream, wherever in the box it blows.
 fn fastest_of(air: &AirGrid, space: &Space, sources: &[WindSource]) -> f32 {
     let steady = 1.3 * air.free.steady.length();
+    let n = N_ARROWS;
+    let share = |i: u32| Vec3::new((i % n) as f32, (i / n % n) as f32, (i / (n * n)) as f32) / (n - 1) as f32;
+    let from_outside = (0..n * n * n).map(|i| air.free.free_air(space.at(share(i))).length()).fold(0.0, f32::max);
     let streams = sources.iter().filter(|source| source.on && space.holds(source.place)).map(|source| source.speed);
-    streams.fold(steady, f32::max).max(20.0)
+    streams.fold(steady.max(from_outside), f32::max).max(20.0)
 }
 
 /// Dark blue where the air is calm, over green to yellow and white.

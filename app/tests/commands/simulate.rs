@@ -92,3 +92,16 @@ fn a_node_of_a_file_and_a_fan_move_hair_without_a_window() {
     let (code, told, none) = picture("none.png", &fan[2..]);
     assert!(code == Some(2) && told.contains("--seconds") && none.is_none(), "{told}");
 }
+
+#[test]
+fn numbers_and_names_that_cannot_be_are_refused_by_their_own_option() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, told) in [
+        (["--seconds", "-1"], "a number of seconds from 0 to 600"),
+        (["--fps", "-5"], "frames a second from 1 to 480"),
+        (["--filmstrip", "a.txt"], "--filmstrip a.txt: let the name end in .png"),
+    ] {
+        let done = lorelei(folder.path(), &[&["simulate", "bob"], &arguments[..]].concat());
+        assert!(done.status.code() == Some(2) && text(&done.stderr).contains(told), "{}", text(&done.stderr));
+    }
+}

@@ -73,7 +73,10 @@ fn add(desk: &mut Desk, kind: &str) {
         return;
     }
     let half = 0.5 * (desk.bounds.1 - desk.bounds.0);
-    let at = desk.centre() + Vec3::new(half.x + 5.0, 0.0, 0.4 * half.z);
+    // To the left and to the right by turns, then lower: handles that lie on each other cannot be told apart.
+    let n = colliders.len();
+    let side = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let at = desk.centre() + Vec3::new(side * (half.x + 5.0), -10.0 * (n / 2) as f32, 0.4 * half.z);
     let n_same = colliders.iter().filter(|collider| collider.name.starts_with(kind)).count();
     let name = format!("{kind} {}", n_same + 1);
     let collider = if kind == "capsule" {

@@ -179,6 +179,6 @@ fn range(ui: &mut Ui, desk: &mut Desk) {
     widgets::explained(response, help, "Drag, with Shift slowly, or click and type");
     let timeline = &desk.report.timeline;
     let n_kept: u32 = timeline.kept.iter().map(|[first, last]| last - first + 1).sum();
-    let words = format!("{n_kept} frames are kept: {}", mebibytes(timeline.n_kept_bytes as u64));
+    let words = format!("Frames kept: {n_kept}, {}", mebibytes(timeline.n_kept_bytes as u64));
     ui.label(RichText::new(words).small().color(theme::TEXT_WEAK));
 }

@@ -39,7 +39,7 @@ pub fn section(ui: &mut Ui, desk: &mut Desk) {
 fn overlays(ui: &mut Ui, desk: &mut Desk) {
     let view = &mut desk.wind_view;
     for (name, help, is_on) in [
-        ("Arrows", "Where the air goes, as long as it is fast", &mut view.arrows),
+        ("Arrows", "Where the air goes; the longer an arrow, the faster", &mut view.arrows),
         ("Slice", "A plane through the air, coloured by speed", &mut view.slice),
         ("Tracers", "Smoke that the air carries along while time passes", &mut view.tracers),
     ] {

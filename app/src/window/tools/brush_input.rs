@@ -139,8 +139,8 @@ pub fn panel(ui: &mut Ui, brush: &mut Brush) {
     for (value, name, help) in [
         (&mut brush.is_symmetric, "Mirror across X", "The same on the other side of the face"),
         (&mut brush.has_back_faces, "Through", "Reach what faces away, too"),
-        (&mut brush.pressure_sets_radius, "Pressure sets radius", "With a pen"),
-        (&mut brush.pressure_sets_strength, "Pressure sets strength", "With a pen"),
+        (&mut brush.pressure_sets_radius, "Pen sets radius", "By how hard a pen presses"),
+        (&mut brush.pressure_sets_strength, "Pen sets strength", "By how hard a pen presses"),
     ] {
         widgets::form_row(ui, name, help, false, |ui| widgets::switch(ui, value).on_hover_text(help));
     }
