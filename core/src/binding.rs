@@ -79,6 +79,46 @@ pub struct LayerBinding {
     pub sculpt: SculptShares,
 }
 
+/// How a curve of hair is held to the style while the rest moves.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Tie {
+    /// Share of it, from the root, that is tied, 0-1.
+    pub tied: f32,
+    /// Share of the roots' hold that it has along its whole length, 0-1.
+    pub hold: f32,
+}
+
+impl Tie {
+    pub fn up_to(tied: f32) -> Self {
+        Self { tied, hold: 0.0 }
+    }
+
+    fn up_to_at_least(self, tied: f32) -> Self {
+        Self { tied: self.tied.clamp(tied.clamp(0.0, 1.0), 1.0), ..self }
+    }
+}
+
+/// A mean of ties by weights.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct MeanTie {
+    sum: Tie,
+    weight: f32,
+}
+
+impl MeanTie {
+    pub(crate) fn add(&mut self, tie: Tie, weight: f32) {
+        let Tie { tied, hold } = self.sum;
+        self.sum = Tie { tied: tied + weight * tie.tied, hold: hold + weight * tie.hold };
+        self.weight += weight;
+    }
+
+    /// Of none it is no tie.
+    pub(crate) fn tie(self) -> Tie {
+        let weight = if self.weight > 0.0 { self.weight } else { 1.0 };
+        Tie { tied: self.sum.tied / weight, hold: self.sum.hold / weight }
+    }
+}
+
 /// Most strands of a layer; a document that asks for more gets these.
 pub const MOST_STRANDS: u32 = 4_000_000;
 /// Strands that tell what share of them a density leaves.
@@ -213,26 +253,38 @@ impl LayerBinding {
         self.tied = layer.tied.clamp(0.0, 1.0);
     }
 
-    /// Per guide: share of it, from the root, that is tied, 0-1: what the layer says, or the mean of what is painted at the
-    /// roots of its strands, by their shares in it.
-    pub fn guide_ties(&self) -> Vec<f32> {
-        let mut ties = vec![self.tied; self.guides.n_guides()];
-        let Some(map_idx) = self.map_idx(&MapKind::Tied) else { return ties };
-        let mut sums = vec![(0.0, 0.0); ties.len()];
+    /// How each guide is held to the style: as the layer says, or the mean of what is painted at the roots of its strands,
+    /// by their shares in it.
+    pub fn guide_ties(&self) -> Vec<Tie> {
+        let mut ties = vec![Tie::up_to(self.tied); self.guides.n_guides()];
+        let Some(painted) = self.painted_ties() else { return ties };
+        let mut means = vec![MeanTie::default(); ties.len()];
         for strand_idx in 0..self.n_strands() {
-            let tied = self.map_value(strand_idx, Some(map_idx), 0.0);
+            let tie = painted(strand_idx);
             for influence in self.influences(strand_idx) {
-                let (sum, weight) = &mut sums[influence.guide_idx as usize];
-                *sum += influence.weight * tied;
-                *weight += influence.weight;
+                means[influence.guide_idx as usize].add(tie, influence.weight);
             }
         }
-        for (tie, (sum, weight)) in ties.iter_mut().zip(sums) {
-            if weight > 0.0 {
-                *tie = (sum / weight).clamp(*tie, 1.0);
-            }
+        for (tie, mean) in ties.iter_mut().zip(means) {
+            *tie = mean.tie().up_to_at_least(self.tied);
         }
         ties
+    }
+
+    /// How each strand is held to the style.
+    pub fn strand_ties(&self) -> Vec<Tie> {
+        match self.painted_ties() {
+            Some(painted) => (0..self.n_strands()).map(|s| painted(s).up_to_at_least(self.tied)).collect(),
+            None => vec![Tie::up_to(self.tied); self.n_strands()],
+        }
+    }
+
+    /// What is painted about it at a strand's root; `None` where nothing is.
+    fn painted_ties(&self) -> Option<impl Fn(usize) -> Tie> {
+        let [tied, hold] = [MapKind::Tied, MapKind::Hold].map(|kind| self.map_idx(&kind));
+        let at = |strand_idx, map_idx| self.map_value(strand_idx, map_idx, 0.0);
+        let is_painted = tied.is_some() || hold.is_some();
+        is_painted.then_some(move |strand_idx| Tie { tied: at(strand_idx, tied), hold: at(strand_idx, hold) })
     }
 
     /// The index of a map in `maps`; `None` where the layer has none of this kind, so that its default applies.

@@ -24,6 +24,7 @@ use crate::maps::paint::MapStroke;
 use crate::maps::{MapError, MapKind, ScalpMap, TileChange};
 use crate::motion::Movement;
 use crate::panorama::Panorama;
+use crate::pin::Pin;
 use crate::sculpt::{self, Sculpt, SculptChange, SculptInfo, SculptLayer, SculptRoots, Stroke};
 use crate::simulation::SimulationSettings;
 use crate::style::StyleOp;
@@ -41,6 +42,8 @@ pub enum Edit {
     SetSimulation(Box<SimulationSettings>),
     /// What hair keeps out of beside the head: a part of the settings of movement.
     SetColliders(Vec<Collider>),
+    /// What holds hair to its place on the head: a part of the settings of movement.
+    SetPins(Vec<Pin>),
     /// What happens on the timeline: motion, range, frames a second.
     SetMovement(Box<Movement>),
     AddLayer {
@@ -190,6 +193,7 @@ impl Groom {
             Edit::SetLights(lights) => Edit::SetLights(replace(&mut self.lights, lights)),
             Edit::SetSimulation(settings) => Edit::SetSimulation(Box::new(replace(&mut self.simulation, *settings))),
             Edit::SetColliders(colliders) => Edit::SetColliders(replace(&mut self.simulation.colliders, colliders)),
+            Edit::SetPins(pins) => Edit::SetPins(replace(&mut self.simulation.pins, pins)),
             Edit::SetMovement(movement) => Edit::SetMovement(Box::new(replace(&mut self.movement, *movement))),
             Edit::AddLayer { layer_idx, layer } => {
                 let n_layers = self.layers.len();

@@ -32,6 +32,7 @@ pub mod mesh_query;
 pub mod motion;
 pub mod moved;
 pub mod panorama;
+pub mod pin;
 pub mod point_grid;
 pub mod record;
 pub mod roots;

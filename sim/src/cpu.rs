@@ -1,9 +1,12 @@
 //! The reference solver: every guide on the CPU, in parallel. The GPU solver is tested against it.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3, Vec4};
+use lorelei_core::binding::Tie;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
-use lorelei_core::moved::{Follow, MovedHair};
+use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::SimulationSettings;
 
 use crate::air::{AirFrame, CpuAir};
@@ -24,7 +27,7 @@ use crate::wind::cpu::HairLayer;
 pub struct CpuSolver {
     layers: Vec<SimulatedLayer>,
     /// Of every layer: its guides, where what moves are others, and where they are shown.
-    followed: Vec<Option<(Following, Vec<Vec4>)>>,
+    followed: Vec<Option<(Arc<Following>, Vec<Vec4>)>>,
     /// Of every layer.
     windage: Vec<Windage>,
     field: Option<DistanceField>,
@@ -48,12 +51,9 @@ impl CpuSolver {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let pose = Pose::IDENTITY;
-        let model = |hair: &MovedHair| SimulatedLayer::new(&hair.curves, &hair.ties, obstacles, settings, pose);
+        let model = |hair: &MovedHair| SimulatedLayer::new(hair, obstacles, settings, pose);
         let layers: Vec<SimulatedLayer> = hair.iter().map(model).collect();
-        let followed = |hair: &MovedHair| match &hair.follow {
-            Follow::Spline(spline) => Some((Following::new(spline, &hair.curves), Vec::new())),
-            Follow::Guides | Follow::Strands => None,
-        };
+        let followed = |layer: &SimulatedLayer| layer.rest.following.clone().map(|following| (following, Vec::new()));
         let volume = volume_of(&layers, settings);
         let mut solver = Self {
             windage: layers
@@ -62,7 +62,7 @@ impl CpuSolver {
                 .map(|(layer, hair)| layer.windage(hair.g_per_cm, settings.moved))
                 .collect(),
             air: CpuAir::default(),
-            followed: hair.iter().map(followed).collect(),
+            followed: layers.iter().map(followed).collect(),
             layers,
             field: field.cloned(),
             capsules,
@@ -104,8 +104,8 @@ impl CpuSolver {
         self.settings = settings.clone();
     }
 
-    /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
-    pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
+    /// Tie a layer's curves to the style.
+    pub fn set_ties(&mut self, layer_idx: usize, ties: &[Tie]) {
         self.layers[layer_idx].set_ties(ties, &self.settings, self.pose);
     }
 

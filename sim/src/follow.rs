@@ -1,10 +1,14 @@
 //! Guides that follow moved curves: a hair mesh's chains, or a rope. Twin of `sim_follow.wgsl`.
 
+use std::sync::Arc;
+
 use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::moved::Spline;
 use lorelei_shaders::{Gpu, Kernel, ShaderError};
 use rayon::prelude::*;
+
+use crate::rest::{Hold, lengths_at};
 
 /// How a layer's guides follow, and what that is at rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,6 +38,35 @@ impl Following {
         self.spline.first_rows.len() * self.spline.n_vertices as usize
     }
 
+    /// Stiffness over mass by which pins hold each vertex of the curves, which are at rest, 1/s2: a curve is held as the
+    /// guides that follow it are in the mean, at the vertices that they follow there.
+    pub fn pinned(&self, hold: &Hold, curves: &[Vec4]) -> Vec<f32> {
+        let (n_guide, n_curve) = (self.spline.n_vertices as usize, self.n_curve as usize);
+        let guides: Vec<Vec3> = self.follow_curves(curves, Quat::IDENTITY).iter().map(|p| p.xyz()).collect();
+        let mut sums = vec![0.0; curves.len()];
+        let mut n_guides_of = vec![0.0_f32; curves.len() / n_curve.max(1)];
+        for (guide_idx, guide) in guides.chunks(n_guide.max(1)).enumerate() {
+            let curve_idx = self.spline.curve_of[guide_idx] as usize;
+            n_guides_of[curve_idx] += 1.0;
+            let lengths = lengths_at(guide);
+            let rows = &self.spline.rows[self.spline.first_rows[guide_idx] as usize..][..n_guide];
+            for ((row, pinned), length) in rows.iter().zip(hold.of_pins(guide)).zip(lengths) {
+                for (&v, weight) in row.vertices.iter().zip(row.weights) {
+                    sums[curve_idx * n_curve + v as usize] += weight.max(0.0) * pinned * length;
+                }
+            }
+        }
+        for ((curve, sums), n_guides) in
+            curves.chunks(n_curve.max(1)).zip(sums.chunks_mut(n_curve.max(1))).zip(n_guides_of)
+        {
+            let curve: Vec<Vec3> = curve.iter().map(|p| p.xyz()).collect();
+            // A vertex that others lie on has no length of its own.
+            let of_vertex = |length: f32| if length > 1e-4 { 1.0 / (length * n_guides.max(1.0)) } else { 0.0 };
+            sums.iter_mut().zip(lengths_at(&curve)).for_each(|(sum, length)| *sum *= of_vertex(length));
+        }
+        sums
+    }
+
     /// All guides, where the picture shows the curves, on a head that is turned by `rotation`.
     pub fn follow_curves(&self, curves: &[Vec4], rotation: Quat) -> Vec<Vec4> {
         let n_guide = self.spline.n_vertices as usize;
@@ -61,7 +94,7 @@ struct FollowParams {
 
 /// A layer's guides on the GPU.
 pub(crate) struct Followed {
-    following: Following,
+    following: Arc<Following>,
     leads: wgpu::Buffer,
     rows: wgpu::Buffer,
     offsets: wgpu::Buffer,
@@ -71,7 +104,7 @@ pub(crate) struct Followed {
 
 impl Followed {
     /// `curves` are shown now, on a head that is not turned.
-    pub fn new(gpu: &Gpu, following: Following, curves: &[Vec4]) -> Self {
+    pub fn new(gpu: &Gpu, following: Arc<Following>, curves: &[Vec4]) -> Self {
         let storage = wgpu::BufferUsages::STORAGE;
         let spline = &following.spline;
         let leads: Vec<[u32; 2]> =

@@ -5,16 +5,17 @@
 //! references have it.
 
 use glam::{Affine3A, Vec3, Vec4};
+use lorelei_core::binding::Tie;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
-use lorelei_core::moved::{Follow, MovedHair};
+use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
 use crate::air::{AirFrame, GpuAir, module};
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from, faces_of};
-use crate::follow::{Followed, Following};
+use crate::follow::Followed;
 use crate::layer::{SimulatedLayer, longest_edge};
 use crate::measure::{Measure, measure};
 use crate::pose::Pose;
@@ -205,13 +206,12 @@ impl GpuSolver {
         let mut layers = Vec::with_capacity(hair.len());
         let mut follow = None;
         for hair in hair {
-            let model = SimulatedLayer::new(&hair.curves, &hair.ties, obstacles, settings, Pose::IDENTITY);
+            let model = SimulatedLayer::new(hair, obstacles, settings, Pose::IDENTITY);
             let mut layer = Layer::new(gpu, model);
-            if let Follow::Spline(spline) = &hair.follow {
+            if let Some(following) = layer.model.rest.following.clone() {
                 if follow.is_none() {
                     follow = Some(library.kernel(gpu, "sim_follow", "follow_curves", &[], &[])?);
                 }
-                let following = Following::new(spline, &hair.curves);
                 layer.followed = Some(Followed::new(gpu, following, &layer.model.shown));
             }
             layers.push(layer);
@@ -277,8 +277,8 @@ impl GpuSolver {
         Ok(())
     }
 
-    /// Tie a layer's guides to the style: per guide the share of it, from the root, that is tied, 0-1.
-    pub fn set_ties(&mut self, layer_idx: usize, ties: &[f32]) {
+    /// Tie a layer's curves to the style.
+    pub fn set_ties(&mut self, layer_idx: usize, ties: &[Tie]) {
         let layer = &mut self.layers[layer_idx];
         if layer.model.set_ties(ties, &self.settings, self.pose) {
             layer.send_rest(&self.gpu);

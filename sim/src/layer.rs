@@ -1,8 +1,12 @@
 //! One layer of guides under the law that moves it: what is fixed at bind time, and the state. CPU and GPU solver keep the
 //! same numbers in the same order, so that either goes on from the other's.
 
+use std::sync::Arc;
+
 use glam::{Vec3, Vec4, Vec4Swizzles};
+use lorelei_core::binding::Tie;
 use lorelei_core::guides::GuideSet;
+use lorelei_core::moved::{Follow, MovedHair};
 use lorelei_core::simulation::{Moved, RestShape, SimulationSettings, Solver};
 use rayon::prelude::*;
 
@@ -10,6 +14,7 @@ use crate::air::Air;
 use crate::chain::{self, ChainParams, ChainRest, ChainVertex, step_chain};
 use crate::clock::Frame;
 use crate::contact::Obstacles;
+use crate::follow::Following;
 use crate::lanes::Lanes;
 use crate::pose::Pose;
 use crate::pull::PullParams;
@@ -43,15 +48,17 @@ enum Law {
 }
 
 impl SimulatedLayer {
-    /// At rest on a head at `pose`, tied as [`Rest::ties`] says.
-    pub fn new(
-        guides: &GuideSet,
-        ties: &[f32],
-        obstacles: Obstacles<'_>,
-        settings: &SimulationSettings,
-        pose: Pose,
-    ) -> Self {
-        let rest = Rest { ties: ties.to_vec(), ..Rest::new(guides, obstacles) };
+    /// At rest on a head at `pose`.
+    pub fn new(hair: &MovedHair, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
+        let following = match &hair.follow {
+            Follow::Spline(spline) => Some(Arc::new(Following::new(spline, &hair.curves))),
+            Follow::Guides | Follow::Strands => None,
+        };
+        let rest = Rest { ties: hair.ties.clone(), following, ..Rest::new(&hair.curves, obstacles) };
+        Self::of_rest(&hair.curves, rest, settings, pose)
+    }
+
+    fn of_rest(guides: &GuideSet, rest: Rest, settings: &SimulationSettings, pose: Pose) -> Self {
         let law = Law::new(&rest, settings, pose);
         let hold = Hold::new(settings);
         let n = rest.n_vertices.max(1) as usize;
@@ -94,15 +101,14 @@ impl SimulatedLayer {
         if is_same_law && !are_moved && self.hold == Hold::new(settings) {
             return false;
         }
-        let ties = std::mem::take(&mut self.rest.ties);
-        self.rest = Rest { ties, ..Rest::new(&self.guides, obstacles) };
+        self.rest = self.rest_among(obstacles);
         self.hold = Hold::new(settings);
         self.rebind(settings, pose);
         true
     }
 
     /// Tie guides to the style: see [`Rest::ties`]. The movement goes on; false where they are tied so already.
-    pub fn set_ties(&mut self, ties: &[f32], settings: &SimulationSettings, pose: Pose) -> bool {
+    pub fn set_ties(&mut self, ties: &[Tie], settings: &SimulationSettings, pose: Pose) -> bool {
         if self.rest.ties == ties {
             return false;
         }
@@ -130,7 +136,13 @@ impl SimulatedLayer {
 
     /// The same guides at rest under another law.
     pub fn under(&self, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
-        Self::new(&self.guides, &self.rest.ties, obstacles, settings, pose)
+        Self::of_rest(&self.guides, self.rest_among(obstacles), settings, pose)
+    }
+
+    /// The same hair at rest among other obstacles.
+    fn rest_among(&self, obstacles: Obstacles<'_>) -> Rest {
+        let (ties, following) = (self.rest.ties.clone(), self.rest.following.clone());
+        Rest { ties, following, ..Rest::new(&self.guides, obstacles) }
     }
 
     /// Back to rest on a head at `pose`.
@@ -185,7 +197,7 @@ impl SimulatedLayer {
             Moved::Guides | Moved::Mesh | Moved::Rope => shares_of(&self.rest),
             Moved::Strands => vec![1.0; self.n_guides()],
         };
-        self.rest.windage(g_per_cm, &shares, self.hold)
+        self.rest.windage(g_per_cm, &shares, &self.hold)
     }
 
     pub(crate) fn is_of_rods(&self) -> bool {
@@ -320,7 +332,7 @@ impl Law {
     /// Without a state yet.
     fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose) -> Self {
         let n = rest.n_vertices.max(1) as usize;
-        let exposures = rest.exposures(Hold::new(settings));
+        let exposures = rest.exposures(&Hold::new(settings));
         let is_weightless = is_weightless_in(settings);
         let strands = rest.vertices.par_chunks(n).zip(exposures.par_chunks(n));
         match settings.solver {

@@ -27,7 +27,7 @@ A PNG holds 0-1 as black to white of the map's range, an EXR holds the values th
 pub struct MapArguments {
     /// A groom: .lorelei, or an embedded style: long, bob, curls.
     file: PathBuf,
-    /// density, length, width, clump, curl, dye, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL.
+    /// density, length, width, clump, curl, dye, tied, hold, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL.
     #[arg(long, required_unless_present = "list")]
     kind: Option<MapKind>,
     /// Number of the layer, from 0 in the order of the outliner.

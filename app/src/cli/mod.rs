@@ -9,6 +9,7 @@ mod lod;
 mod looks;
 mod map;
 mod measure;
+mod pin;
 mod read_as;
 mod render;
 mod scene;

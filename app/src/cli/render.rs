@@ -8,13 +8,14 @@ use lorelei_core::groom::Groom;
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::{Choice, Look, set};
 use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::pin::Pin;
 use lorelei_render::versus::Comparison;
 use lorelei_shaders::Gpu;
 use serde_json::json;
 
 use super::scene::{Scene, SceneArguments, parse_look};
 use super::wind_source::{self, SourceArgument};
-use super::{CliError, check_png, make_folder_of, print_line};
+use super::{CliError, check_png, make_folder_of, pin, print_line};
 use crate::stage::pacer::Detail;
 use crate::stage::shown::Shown;
 use crate::stage::{Playback, Stage, bounds_of};
@@ -51,6 +52,10 @@ pub struct RenderArguments {
     /// it blows while --seconds pass.
     #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true, requires = "seconds")]
     wind_sources: Vec<SourceArgument>,
+    /// A ball on the head that holds what hair lies in it, as often as there are any: centimetres in head space, and radius,
+    /// name. Such as 7,2,3,radius=1.5; it holds while --seconds pass.
+    #[arg(long = "pin", value_name = pin::SYNTAX, value_parser = pin::parse, allow_hyphen_values = true, requires = "seconds")]
+    pins: Vec<Pin>,
     /// Another look beside the groom's own: KEY=VALUE changes the groom's, a file or a name replaces it; one after the
     /// other where there are several.
     #[arg(long, value_name = "LOOK|KEY=VALUE", num_args = 1.., conflicts_with = "repeat")]
@@ -166,6 +171,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), CliError> {
         check_png("--out", &arguments.out)?;
     }
     let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
+    groom.simulation.pins.extend_from_slice(&arguments.pins);
     let Movement { motion, .. } = groom.movement;
     groom.movement.motion = arguments.motion.unwrap_or(motion);
 

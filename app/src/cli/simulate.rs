@@ -11,6 +11,7 @@ use lorelei_core::io::gltf_motion::{read_motions, track_of};
 use lorelei_core::io::{Watch, write_atomically};
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{Motion, Movement};
+use lorelei_core::pin::Pin;
 use lorelei_core::simulation::Moved;
 use lorelei_render::Bound;
 use lorelei_shaders::Gpu;
@@ -20,7 +21,7 @@ use serde_json::json;
 use super::render::{parse_motion, parse_seconds, parse_size};
 use super::scene::{Scene, SceneArguments};
 use super::wind_source::{self, SourceArgument};
-use super::{CliError, check_png, make_folder_of, print_line};
+use super::{CliError, check_png, make_folder_of, pin, print_line};
 use crate::movement::file::{Contents, EXTENSION, Writer};
 use crate::movement::filmstrip::{filmstrip, frames_of};
 use crate::movement::range::header_of;
@@ -63,6 +64,10 @@ pub struct SimulateArguments {
     /// becomes a grid, unless --set wind=NAME says otherwise. Such as fan,45,0,20,speed=800.
     #[arg(long = "wind-source", value_name = wind_source::SYNTAX, value_parser = wind_source::parse, allow_hyphen_values = true)]
     wind_sources: Vec<SourceArgument>,
+    /// A ball on the head that holds what hair lies in it, as often as there are any: centimetres in head space, and radius,
+    /// name. Such as 7,2,3,radius=1.5.
+    #[arg(long = "pin", value_name = pin::SYNTAX, value_parser = pin::parse, allow_hyphen_values = true)]
+    pins: Vec<Pin>,
     /// Let this much time pass before the first frame.
     #[arg(long, value_name = "S", value_parser = parse_seconds, allow_negative_numbers = true)]
     warm_up: Option<f32>,
@@ -153,6 +158,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
         check_png("--filmstrip", path)?;
     }
     let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
+    groom.simulation.pins.extend_from_slice(&arguments.pins);
     arguments.set_movement(&mut groom)?;
     if !arguments.json {
         for warning in &warnings {

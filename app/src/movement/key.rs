@@ -13,7 +13,7 @@ pub fn key_of(subject: &Subject, course: &Course, movement: &Movement) -> u128 {
     for hair in &subject.hair {
         key.word(hair.curves.n_vertices);
         key.floats(hair.curves.positions.iter().flat_map(glam::Vec3::to_array));
-        key.floats(hair.ties.iter().copied());
+        key.floats(hair.ties.iter().flat_map(|tie| [tie.tied, tie.hold]));
         if course.settings.wind == Wind::Grid {
             key.floats([hair.g_per_cm]);
         }

@@ -51,14 +51,11 @@ impl Maker {
 
     /// Only the ties have changed; a solver that is in use is told by whoever uses it.
     pub fn set_ties(&mut self, layers: &[LayerHair]) {
-        if let Some(hair) = &mut self.hair {
-            for (hair, (_, binding)) in Arc::make_mut(hair).iter_mut().zip(layers) {
-                hair.ties = binding.guide_ties();
-            }
-        }
-        if let Some(spare) = &mut self.spare {
-            for (layer_idx, (_, binding)) in layers.iter().enumerate() {
-                spare.set_ties(layer_idx, &binding.guide_ties());
+        let Some(hair) = &mut self.hair else { return };
+        for (layer_idx, (hair, (_, binding))) in Arc::make_mut(hair).iter_mut().zip(layers).enumerate() {
+            hair.ties = hair.ties_of(binding);
+            if let Some(spare) = &mut self.spare {
+                spare.set_ties(layer_idx, &hair.ties);
             }
         }
     }

@@ -186,8 +186,8 @@ impl Player {
         } else if !has_same_ties {
             self.maker.set_ties(&self.layers);
             if let Some(moving) = &mut self.moving {
-                for (layer_idx, (_, binding)) in self.layers.iter().enumerate() {
-                    moving.solver.set_ties(layer_idx, &binding.guide_ties());
+                for (layer_idx, hair) in self.maker.hair().iter().enumerate() {
+                    moving.solver.set_ties(layer_idx, &hair.ties);
                 }
             }
         }

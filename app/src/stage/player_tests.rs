@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use lorelei_core::groom::Layer;
 use lorelei_core::look::Shadowing;
+use lorelei_core::maps::{MapKind, ScalpMap};
 use lorelei_core::motion::{AtEnd, Motion, Movement};
+use lorelei_core::pin::Pin;
 use lorelei_core::simulation::Moved;
 use lorelei_core::strands::Strands;
 
@@ -176,6 +178,53 @@ fn what_is_changed_while_it_plays_moves_on_and_is_not_kept() {
     show.frame(1.0 / 60.0);
     let grown = show.shot().unwrap();
     assert!(show.at() == 13 && farthest(&dragged, &grown) < 4.0, "{}", farthest(&dragged, &grown));
+}
+
+#[test]
+fn what_is_painted_to_be_held_and_what_is_pinned_while_it_plays_is_held_from_then_on() {
+    let mut groom = lorelei_assets::hairstyle("braid").unwrap();
+    groom.look.shadowing = Shadowing::Off;
+    groom.movement = Movement { motion: Motion::Shake, end: 60, ..Movement::default() };
+    groom.layers.iter_mut().for_each(|layer| layer.n_strands = 200);
+    (groom.simulation.moved, groom.simulation.hold) = (Moved::Rope, 20.0);
+    // How far from its place on the head the hair comes in twenty frames after a change in the middle.
+    let farthest_after = |change: &dyn Fn(&mut Groom)| {
+        let mut show = Show::new(&groom);
+        show.stage.player().set_budget(1 << 28);
+        show.play(1);
+        let places = show.shot().unwrap();
+        let on_head = |shot: &Shot| {
+            let head_from_world = shot.world_from_head.inverse();
+            shot.positions.iter().flatten().map(|p| head_from_world.transform_point3(*p)).collect::<Vec<_>>()
+        };
+        let places = on_head(&places);
+        show.play(19);
+        let mut changed = groom.clone();
+        change(&mut changed);
+        show.stage.set_groom(&changed).unwrap();
+        assert_eq!(show.stage.player().frames().runs().is_empty(), changed != groom);
+        let mut farthest = 0.0_f32;
+        for frame in 0..30 {
+            show.play(1);
+            let apart =
+                on_head(&show.shot().unwrap()).iter().zip(&places).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            // A moment to come back.
+            farthest = if frame < 10 { 0.0 } else { farthest.max(apart) };
+        }
+        farthest
+    };
+    let free = farthest_after(&|_| ());
+    let painted = farthest_after(&|groom| {
+        for layer in &mut groom.layers {
+            layer.maps.insert(MapKind::Hold, Arc::new(ScalpMap::filled(64, 64, 255)));
+        }
+    });
+    let pinned = farthest_after(&|groom| {
+        let (low, high) = bounds_of(groom);
+        groom.simulation.pins = vec![Pin { centre: 0.5 * (low + high), radius: 40.0, ..Pin::default() }];
+    });
+    println!("free {free}, painted {painted}, pinned {pinned}");
+    assert!(2.0 * painted < free && 2.0 * pinned < free, "free {free}, painted {painted}, pinned {pinned}");
 }
 
 #[test]

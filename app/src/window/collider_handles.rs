@@ -10,7 +10,7 @@ use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
 
 use super::desk::{Desk, Selection};
-use super::handles::{Grip, GripShape, picture_plane};
+use super::handles::{GRIP, Grip, GripShape, picture_plane};
 use super::projection::Projection;
 use super::theme;
 
@@ -41,7 +41,8 @@ pub fn colliders(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
         }
         let is_selected = desk.selection == Selection::Collider(collider_idx);
         let outline = outline(projection, ends, collider.radii, (right, up));
-        draw(ui, &outline, is_selected, collider.on);
+        let colour = if is_selected { theme::ACCENT } else { GRIP };
+        draw(ui, &outline, colour, is_selected, collider.on);
         let mut parts = vec![(Part::Whole, 0.5 * (ends[0] + ends[1]))];
         if is_selected {
             let n_ends = if collider.is_sphere() { 1 } else { 2 };
@@ -60,7 +61,7 @@ pub fn colliders(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
                 Part::Rim(_) => GripShape::Square,
             };
             let label = (part == Part::Whole).then(|| format!("{}  {:.1} cm", collider.name, collider.radii[0]));
-            let grip = Grip { place: at_world, id, shape, is_selected, is_on: collider.on, label };
+            let grip = Grip { place: at_world, id, shape, colour: GRIP, is_selected, is_on: collider.on, label };
             let name = || format!("collider {collider_idx} {part:?}");
             let Some(gripped) = grip.ui(ui, &desk.camera, projection, name) else { continue };
             if gripped.is_taken {
@@ -101,7 +102,12 @@ fn move_part(collider: &mut Collider, part: Part, by: Vec3, along: Vec3) -> &'st
 }
 
 /// The outline of two balls and what is between them, as seen: the hull of two circles.
-fn outline(projection: Projection, ends: [Vec3; 2], radii: [f32; 2], (right, up): (Vec3, Vec3)) -> Vec<Pos2> {
+pub(super) fn outline(
+    projection: Projection,
+    ends: [Vec3; 2],
+    radii: [f32; 2],
+    (right, up): (Vec3, Vec3),
+) -> Vec<Pos2> {
     let mut points = Vec::new();
     for (end, radius) in ends.into_iter().zip(radii) {
         for i in 0..N_SIDES {
@@ -137,11 +143,11 @@ fn hull(mut points: Vec<Pos2>) -> Vec<Pos2> {
     lower
 }
 
-fn draw(ui: &Ui, outline: &[Pos2], is_selected: bool, is_on: bool) {
+/// An outline filled with a breath of its colour.
+pub(super) fn draw(ui: &Ui, outline: &[Pos2], colour: Color32, is_selected: bool, is_on: bool) {
     if outline.len() < 3 {
         return;
     }
-    let colour = if is_selected { theme::ACCENT } else { Color32::from_gray(215) };
     let strength = if is_on { 1.0 } else { 0.35 };
     let fill = colour.gamma_multiply(strength * if is_selected { 0.14 } else { 0.06 });
     let stroke = Stroke::new(if is_selected { 1.8 } else { 1.0 }, colour.gamma_multiply(0.8 * strength));

@@ -32,6 +32,8 @@ pub enum Selection {
     Light(usize),
     /// Of the settings of movement.
     Collider(usize),
+    /// Of the settings of movement.
+    Pin(usize),
     /// A source of wind.
     Wind(usize),
 }
@@ -165,7 +167,9 @@ impl Desk {
     pub fn selected_layer(&self) -> Option<&Layer> {
         match self.selection {
             Selection::Layer(layer_idx) => self.document.groom.layers.get(layer_idx),
-            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => None,
+            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Pin(_) | Selection::Wind(_) => {
+                None
+            }
         }
     }
 
@@ -180,6 +184,9 @@ impl Desk {
             }
             Selection::Collider(i) if i >= groom.simulation.colliders.len() => {
                 groom.simulation.colliders.len().checked_sub(1).map_or(Selection::Head, Selection::Collider)
+            }
+            Selection::Pin(i) if i >= groom.simulation.pins.len() => {
+                groom.simulation.pins.len().checked_sub(1).map_or(Selection::Head, Selection::Pin)
             }
             Selection::Wind(i) if i >= groom.simulation.sources.len() => {
                 groom.simulation.sources.len().checked_sub(1).map_or(Selection::Head, Selection::Wind)

@@ -146,12 +146,17 @@ pub enum GripShape {
     Square,
 }
 
+/// The colour of what stands in the scene and has none of its own.
+pub const GRIP: Color32 = Color32::from_gray(215);
+
 /// A small handle of something that stands in the scene, which a drag moves in the plane of the picture.
 pub struct Grip {
     /// World.
     pub place: Vec3,
     pub id: egui::Id,
     pub shape: GripShape,
+    /// While nobody points at it and it is not selected.
+    pub colour: Color32,
     /// What it is of is selected; is switched on.
     pub is_selected: bool,
     pub is_on: bool,
@@ -192,7 +197,7 @@ impl Grip {
 
     fn draw(&self, ui: &Ui, at: egui::Pos2, is_active: bool) {
         let painter = ui.painter();
-        let colour = if is_active || self.is_selected { theme::ACCENT } else { Color32::from_gray(215) };
+        let colour = if is_active || self.is_selected { theme::ACCENT } else { self.colour };
         let colour = colour.gamma_multiply(if self.is_on { 1.0 } else { 0.5 });
         let radius = if is_active { 6.5 } else { 5.0 };
         let shade = Color32::from_black_alpha(110);

@@ -13,6 +13,7 @@ mod notices;
 mod outcomes;
 mod palette;
 mod panels;
+mod pin_handles;
 mod projection;
 mod questions;
 mod recovery;

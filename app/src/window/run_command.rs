@@ -40,7 +40,11 @@ impl Studio {
             Command::LoadStyle | Command::SaveStyle => self.desk.selected_layer().is_some(),
             Command::DetachLayer => match self.desk.selection {
                 Selection::Layer(layer_idx) => document.groom.layers_sharing(layer_idx).len() > 1,
-                Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => false,
+                Selection::Head
+                | Selection::Light(_)
+                | Selection::Collider(_)
+                | Selection::Pin(_)
+                | Selection::Wind(_) => false,
             },
             // Imported strands are as many as they are.
             Command::AddFlyAways | Command::AddFrizz => {

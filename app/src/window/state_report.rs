@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use lorelei_core::collider::Collider;
 use lorelei_core::look::Choice;
+use lorelei_core::pin::Pin;
 use lorelei_core::simulation::Quality;
 use serde_json::json;
 
@@ -170,6 +171,8 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     });
     let place = |collider: &Collider| collider.ends[0].extend(collider.radii[0]).to_array();
     state["colliders"] = groom.simulation.colliders.iter().map(place).collect::<Vec<_>>().into();
+    let place = |pin: &Pin| pin.centre.extend(pin.radius).to_array();
+    state["pins"] = groom.simulation.pins.iter().map(place).collect::<Vec<_>>().into();
     // One more entry is more than the macro expands.
     state["room"] = super::room::report(desk);
     let place = |p: glam::Vec3| p.to_array();

@@ -114,7 +114,9 @@ impl Studio {
         let groom = &self.desk.document.groom;
         let selected = match self.desk.selection {
             Selection::Layer(layer_idx) => layer_idx,
-            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => 0,
+            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Pin(_) | Selection::Wind(_) => {
+                0
+            }
         };
         let edit = match how {
             TakeOver::Rest => rest_edit(groom, &shot),

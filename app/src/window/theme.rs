@@ -21,6 +21,8 @@ pub const TEXT_STRONG: Color32 = Color32::from_gray(240);
 pub const TEXT_WEAK: Color32 = Color32::from_gray(138);
 pub const ACCENT: Color32 = Color32::from_rgb(222, 168, 82);
 pub const ACCENT_DIM: Color32 = Color32::from_rgb(105, 82, 46);
+/// Pins in the viewport: no hair has this colour, and nothing else there.
+pub const PIN: Color32 = Color32::from_rgb(104, 200, 216);
 pub const ERROR: Color32 = Color32::from_rgb(226, 108, 92);
 pub const GOOD: Color32 = Color32::from_rgb(128, 184, 124);
 

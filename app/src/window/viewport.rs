@@ -7,6 +7,7 @@ use super::collider_handles;
 use super::desk::Desk;
 use super::handles::{self, HandleDrag};
 use super::navigation;
+use super::pin_handles;
 use super::projection::Projection;
 use super::room;
 use super::theme;
@@ -74,6 +75,7 @@ impl Viewport {
             handles::lights(ui, desk, projection, &mut self.drag);
             is_dragging_handle = handles::head(ui, desk, projection);
             is_dragging_handle |= collider_handles::colliders(ui, desk, projection);
+            is_dragging_handle |= pin_handles::pins(ui, desk, projection);
             is_dragging_handle |= wind_handles::sources(ui, desk, projection);
         }
         let is_wiping = room::viewport(ui, desk, rect, &response);

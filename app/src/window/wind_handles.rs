@@ -10,7 +10,7 @@ use lorelei_core::history::Merge;
 use lorelei_core::wind::WindSource;
 
 use super::desk::{Desk, Selection};
-use super::handles::{Grip, GripShape};
+use super::handles::{GRIP, Grip, GripShape};
 use super::projection::Projection;
 use super::theme;
 
@@ -38,7 +38,7 @@ pub fn sources(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
         {
             let id = ui.scope_id().with(("wind", source_idx, part == Part::Tip));
             let label = Some(format!("{}  {:.0} cm/s", source.name, source.speed));
-            let grip = Grip { place, id, shape, is_selected, is_on: source.on, label };
+            let grip = Grip { place, id, shape, colour: GRIP, is_selected, is_on: source.on, label };
             let name = || format!("wind {source_idx} {part:?}");
             let Some(gripped) = grip.ui(ui, &desk.camera, projection, name) else { continue };
             if gripped.is_taken {

@@ -105,3 +105,28 @@ fn numbers_and_names_that_cannot_be_are_refused_by_their_own_option() {
         assert!(done.status.code() == Some(2) && text(&done.stderr).contains(told), "{}", text(&done.stderr));
     }
 }
+
+#[test]
+fn a_pin_holds_hair_whether_it_is_an_argument_or_an_edit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    document::save(&curtain(), &folder.join("a.lorelei")).unwrap();
+    let shaken = ["--seconds", "0.5", "--motion", "shake"];
+    let free = simulated(folder, &shaken);
+    // Around the lower half of every guide.
+    let pinned = simulated(folder, &[&shaken[..], &["--pin", "0,-10,6,radius=8"]].concat());
+    let off = simulated(folder, &[&shaken[..], &["--pin", "0,40,6,radius=8"]].concat());
+    println!("free {}, pinned {}", most_energy(&free), most_energy(&pinned));
+    assert_ne!(free["kinetic_energy"], pinned["kinetic_energy"]);
+    assert_eq!(free["kinetic_energy"], off["kinetic_energy"], "a pin without hair holds none");
+    assert!(pinned["nan"] == 0 && pinned["length_error_max"].as_f64().unwrap() < 1e-3, "{pinned}");
+
+    std::fs::write(folder.join("pin.ron"), "[SetPins([(name: \"clip\", centre: (0, -10, 6), radius: 8)])]").unwrap();
+    let done = lorelei(folder, &["apply", "a.lorelei", "--edits", "pin.ron", "--out", "a.lorelei"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert_eq!(document::open(&folder.join("a.lorelei")).unwrap().simulation.pins[0].name, "clip");
+    assert_eq!(simulated(folder, &shaken)["kinetic_energy"], pinned["kinetic_energy"]);
+
+    let wrong = lorelei(folder, &["simulate", "a.lorelei", "--pin", "1,2"]);
+    assert!(wrong.status.code() == Some(2) && text(&wrong.stderr).contains("z is missing"), "{}", text(&wrong.stderr));
+}

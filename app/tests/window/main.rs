@@ -11,6 +11,7 @@ mod controls;
 mod modelling;
 mod movement;
 mod painting;
+mod pins;
 mod pulling;
 mod room;
 mod sample;

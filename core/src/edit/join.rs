@@ -13,8 +13,9 @@ impl Edit {
             | (Self::SetPanorama(_), Self::SetPanorama(_))
             | (Self::SetLod(_), Self::SetLod(_))
             | (Self::SetLights(_), Self::SetLights(_))
-            | (Self::SetSimulation(_), Self::SetSimulation(_) | Self::SetColliders(_))
+            | (Self::SetSimulation(_), Self::SetSimulation(_) | Self::SetColliders(_) | Self::SetPins(_))
             | (Self::SetColliders(_), Self::SetColliders(_))
+            | (Self::SetPins(_), Self::SetPins(_))
             | (Self::SetMovement(_), Self::SetMovement(_)) => true,
             (
                 Self::SetLayer { layer_idx: a, .. },

@@ -40,6 +40,7 @@ fn any_leaf() -> impl Strategy<Value = Edit> {
         (0.0..500.0_f32).prop_map(|wind_speed| {
             Edit::SetSimulation(Box::new(SimulationSettings { wind_speed, ..SimulationSettings::default() }))
         }),
+        (0.0..3.0_f32, 0_usize..3).prop_map(|(radius, n)| Edit::SetPins(vec![Pin { radius, ..Pin::default() }; n])),
         (layer_idx(), "[a-z]{1,4}")
             .prop_map(|(layer_idx, name)| Edit::AddLayer { layer_idx, layer: Box::new(layer_named(&name)) }),
         layer_idx().prop_map(|layer_idx| Edit::RemoveLayer { layer_idx }),

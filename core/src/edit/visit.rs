@@ -75,6 +75,7 @@ impl Edit {
             | Self::SetLights(_)
             | Self::SetSimulation(_)
             | Self::SetColliders(_)
+            | Self::SetPins(_)
             | Self::SetMovement(_)
             | Self::RemoveLayer { .. }
             | Self::MoveLayer { .. }

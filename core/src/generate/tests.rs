@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::binding::{LayerBinding, bind_layer, counted_where_full, rebind_layer};
+use crate::binding::{LayerBinding, Tie, bind_layer, counted_where_full, rebind_layer};
 use crate::curve::catmull_rom;
 use crate::groom::{Head, Source, StrandCount};
 use crate::hair_mesh::tests::straight_grid;
@@ -468,13 +468,16 @@ fn every_strand_knows_what_the_maps_say_at_its_root() {
     assert!((resampled.map_value(7, resampled.map_idx(&MapKind::Curl), 1.0) - 0.2).abs() < 1e-6);
     // Guides are tied as far as their strands say, or as the layer does where that is more.
     other.maps.insert(MapKind::Tied, Arc::new(ScalpMap::filled(4, 4, 102)));
+    other.maps.insert(MapKind::Hold, Arc::new(ScalpMap::filled(4, 4, 51)));
     for (tied, expected) in [(0.0, 0.4), (0.7, 0.7)] {
         other.tied = tied;
         resampled.resample_maps(&other);
         let ties = resampled.guide_ties();
         assert_eq!(ties.len(), resampled.guides.n_guides());
         let strands_of = |guide_idx: usize| resampled.influences.iter().any(|i| i.guide_idx as usize == guide_idx);
-        assert!((0..ties.len()).all(|g| (ties[g] - expected).abs() < 1e-5 || !strands_of(g)), "{ties:?}");
+        let is_painted = |tie: &Tie| (tie.tied - expected).abs() < 1e-5 && (tie.hold - 0.2).abs() < 1e-5;
+        assert!((0..ties.len()).all(|g| is_painted(&ties[g]) || !strands_of(g)), "{ties:?}");
+        assert!(resampled.strand_ties().iter().all(is_painted));
     }
 }
 

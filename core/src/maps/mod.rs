@@ -43,6 +43,8 @@ pub enum MapKind {
     Dye,
     /// Share of a strand, from the root, that is tied: it stays with the style while the rest moves.
     Tied,
+    /// Share of the roots' hold to the style that a strand has along its whole length.
+    Hold,
     /// A region under a name, for operators and brushes that ask for it.
     Mask(String),
     /// Share of the strands that this level of detail keeps.
@@ -53,8 +55,8 @@ pub enum MapKind {
 
 impl MapKind {
     /// The kinds without a name or a number, in the order of lists.
-    pub const PLAIN: [Self; 7] =
-        [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl, Self::Dye, Self::Tied];
+    pub const PLAIN: [Self; 8] =
+        [Self::Density, Self::Length, Self::Width, Self::Clump, Self::Curl, Self::Dye, Self::Tied, Self::Hold];
 
     /// The value of one step of a texel. A power of two for multiples, so that 1 is exactly one texel value.
     pub fn step(&self) -> f32 {
@@ -67,6 +69,7 @@ impl MapKind {
             | Self::Curl
             | Self::Dye
             | Self::Tied
+            | Self::Hold
             | Self::Mask(_)
             | Self::LodDensity(_) => 1.0 / 255.0,
         }
@@ -77,10 +80,10 @@ impl MapKind {
         255.0 * self.step()
     }
 
-    /// The value where nothing was painted: without effect, except that a mask covers nothing and nothing is tied.
+    /// The value where nothing was painted: without effect, except that a mask covers nothing and nothing is tied or held.
     pub fn default_value(&self) -> f32 {
         match self {
-            Self::Mask(_) | Self::Tied => 0.0,
+            Self::Mask(_) | Self::Tied | Self::Hold => 0.0,
             Self::Density
             | Self::Length
             | Self::Width
@@ -121,6 +124,7 @@ impl MapKind {
             Self::Curl => "Curl".to_owned(),
             Self::Dye => "Dye".to_owned(),
             Self::Tied => "Tied".to_owned(),
+            Self::Hold => "Hold".to_owned(),
             Self::Mask(name) => format!("Mask \u{201c}{name}\u{201d}"),
             Self::LodDensity(level) => format!("Density of level {level}"),
             Self::LodThickness(level) => format!("Thickness of level {level}"),
@@ -138,6 +142,9 @@ impl MapKind {
             Self::Tied => {
                 "Share of a strand, from the root, that stays with the style while the rest moves: up to a band, a pin, a braid"
             }
+            Self::Hold => {
+                "Share of the roots' hold that a strand has along its whole length: hair that stays nearer to the style while it moves"
+            }
             Self::Mask(_) => "A region under a name: operators can be limited to it",
             Self::LodDensity(_) => "Share of the strands that the level of detail keeps",
             Self::LodThickness(_) => "Width at the level of detail, as a multiple of what keeps the covered area",
@@ -153,6 +160,7 @@ impl MapKind {
             Self::Clump | Self::Curl => "of the strength",
             Self::Dye => "of the dye",
             Self::Tied => "of the strand",
+            Self::Hold => "of the hold",
             Self::Mask(_) => "covered",
             Self::LodDensity(_) => "of the strands",
         }
@@ -170,6 +178,7 @@ impl fmt::Display for MapKind {
             Self::Curl => f.write_str("curl"),
             Self::Dye => f.write_str("dye"),
             Self::Tied => f.write_str("tied"),
+            Self::Hold => f.write_str("hold"),
             Self::Mask(name) => write!(f, "mask:{name}"),
             Self::LodDensity(level) => write!(f, "lod-density:{level}"),
             Self::LodThickness(level) => write!(f, "lod-thickness:{level}"),
@@ -180,7 +189,7 @@ impl fmt::Display for MapKind {
 /// A word that names no map.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{word}` is no map: density, length, width, clump, curl, dye, tied, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
+    "`{word}` is no map: density, length, width, clump, curl, dye, tied, hold, mask:NAME, lod-density:LEVEL or lod-thickness:LEVEL with a level of 0-7"
 )]
 pub struct NoSuchMap {
     word: String,

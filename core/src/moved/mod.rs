@@ -13,14 +13,13 @@ mod rope;
 
 use glam::{Quat, Vec3};
 
-use crate::binding::LayerBinding;
+use crate::binding::{LayerBinding, MeanTie, Tie};
 use crate::curve::{catmull_rom, catmull_rom_slopes, catmull_rom_weights};
 use crate::distance_field::DistanceField;
 use crate::generate::{Pose, generate};
 use crate::groom::{Layer, Source};
 use crate::guides::GuideSet;
 use crate::hair_mesh::HairMesh;
-use crate::maps::MapKind;
 use crate::simulation::Moved;
 
 /// Density of hair, g/cm3 (Robbins 2012, "Chemical and Physical Behavior of Human Hair").
@@ -35,8 +34,8 @@ const HEAD_G_PER_CM: f32 = 6.6;
 pub struct MovedHair {
     /// At rest, head space.
     pub curves: GuideSet,
-    /// Share of each curve, from its root, that is tied to the style, 0-1.
-    pub ties: Vec<f32>,
+    /// How each curve is held to the style.
+    pub ties: Vec<Tie>,
     /// Mass of a centimetre of all the hair that the curves stand for together, g/cm.
     pub g_per_cm: f32,
     pub follow: Follow,
@@ -117,32 +116,37 @@ impl MovedHair {
         if mesh.layers.len() < 2 || !is_bound {
             return Self::of_binding(binding);
         }
-        let ties = binding.guide_ties();
-        let (curves, spline, ties) = if is_rope {
-            let (curves, spline) = rope::ropes_of(mesh, &chains, &binding.guides);
-            let of_rope = |rope: usize| {
-                let of_guides = ties.iter().zip(&spline.curve_of).filter(|(_, of)| **of as usize == rope);
-                let (sum, n) = of_guides.fold((0.0, 0), |(sum, n), (tie, _)| (sum + tie, n + 1));
-                sum / n.max(1) as f32
-            };
-            let ties = (0..curves.n_guides()).map(of_rope).collect();
-            (curves, spline, ties)
+        let (curves, spline) = if is_rope {
+            rope::ropes_of(mesh, &chains, &binding.guides)
         } else {
-            let (curves, spline) = joints::joints_of(mesh, &chains, binding.guides.n_vertices);
-            (curves, spline, ties)
+            joints::joints_of(mesh, &chains, binding.guides.n_vertices)
         };
-        Self { curves, ties, follow: Follow::Spline(spline), ..Self::default() }
+        let hair = Self { curves, follow: Follow::Spline(spline), ..Self::default() };
+        Self { ties: hair.ties_of(binding), ..hair }
     }
 
     fn of_strands(layer: &Layer, binding: &LayerBinding, field: Option<&DistanceField>) -> Self {
         let n_vertices = moved_vertices(layer);
         let layer = Layer { vertices_per_strand: n_vertices, ..layer.clone() };
         let strands = generate(binding, &layer, &binding.guides.positions, &Pose { field, ..Pose::default() });
-        let painted = binding.map_idx(&MapKind::Tied);
-        let tie = |strand_idx| binding.map_value(strand_idx, painted, 0.0).clamp(binding.tied.clamp(0.0, 1.0), 1.0);
-        let ties = (0..strands.n_strands()).map(tie).collect();
         let curves = GuideSet { n_vertices, positions: strands.points };
-        Self { curves, ties, follow: Follow::Strands, ..Self::default() }
+        Self { curves, ties: binding.strand_ties(), follow: Follow::Strands, ..Self::default() }
+    }
+
+    /// How curves are held to the style, where the layer's ties may be others than when they were made. What is one curve
+    /// is held as its guides are in the mean.
+    pub fn ties_of(&self, binding: &LayerBinding) -> Vec<Tie> {
+        match &self.follow {
+            Follow::Guides => binding.guide_ties(),
+            Follow::Strands => binding.strand_ties(),
+            Follow::Spline(spline) => {
+                let mut means = vec![MeanTie::default(); self.curves.n_guides()];
+                for (tie, &curve_idx) in binding.guide_ties().into_iter().zip(&spline.curve_of) {
+                    means[curve_idx as usize].add(tie, 1.0);
+                }
+                means.into_iter().map(MeanTie::tie).collect()
+            }
+        }
     }
 
     /// The curves of guides, or of strands, that are at `shown`: the inverse of following, as far as there is one.
@@ -337,7 +341,7 @@ mod tests {
         let binding = bind_layer(&layer, None);
         let moved = MovedHair::new(Moved::Strands, &layer, &binding, None);
         assert_eq!((moved.curves.n_vertices, moved.curves.n_guides(), moved.n_shown()), (64, 50, 64 * 50));
-        assert!(moved.ties.iter().all(|&tie| tie == 0.3));
+        assert!(moved.ties.iter().all(|&tie| tie == Tie::up_to(0.3)));
         let drawn = generate(
             &binding,
             &Layer { vertices_per_strand: 64, ..layer.clone() },

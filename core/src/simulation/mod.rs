@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::camera::direction_from_deg;
 use crate::collider::Collider;
 use crate::look::{Choice, ChoiceInfo, Param, ParamValue, Slot, choices, integer, number};
+use crate::pin::Pin;
 use crate::wind::{AirSettings, WindSource};
 
 pub use preset::HairKind;
@@ -139,6 +140,8 @@ pub struct SimulationSettings {
     /// What hair also keeps out of. Files from before there were capsules call them spheres.
     #[serde(alias = "spheres")]
     pub colliders: Vec<Collider>,
+    /// What holds hair to its place on the head.
+    pub pins: Vec<Pin>,
 }
 
 impl Default for SimulationSettings {
@@ -175,6 +178,7 @@ impl Default for SimulationSettings {
             volume_rub: 4.0,
             pearl_radius: 0.6,
             colliders: Vec::new(),
+            pins: Vec::new(),
         }
     }
 }
@@ -453,6 +457,15 @@ mod tests {
             let text = param.value.to_text();
             param.set_from_text(&text).unwrap();
         }
+    }
+
+    #[test]
+    fn settings_from_before_there_were_pins_have_none_and_pins_are_read_as_they_were_written() {
+        assert_eq!(ron::from_str::<SimulationSettings>("(gravity: 981.0)").unwrap(), SimulationSettings::default());
+        let pin = Pin { name: "clip".to_owned(), on: false, centre: Vec3::new(7.0, 1.0, 3.0), radius: 2.0 };
+        let settings = SimulationSettings { pins: vec![pin], ..SimulationSettings::default() };
+        let text = ron::to_string(&settings).unwrap();
+        assert_eq!(ron::from_str::<SimulationSettings>(&text).unwrap(), settings, "{text}");
     }
 
     #[test]

@@ -63,7 +63,7 @@ mod tests {
                 }
             }
         }
-        Rest { n_vertices: 2, vertices, ties: Vec::new() }
+        Rest { n_vertices: 2, vertices, ties: Vec::new(), following: None }
     }
 
     #[test]
@@ -87,11 +87,16 @@ mod tests {
     #[test]
     fn no_guide_one_guide_and_broken_numbers_are_harmless() {
         assert!(shares_of(&Rest::default()).is_empty());
-        let one = Rest { n_vertices: 2, vertices: vec![Vec4::ONE; 2], ties: Vec::new() };
+        let one = Rest { n_vertices: 2, vertices: vec![Vec4::ONE; 2], ties: Vec::new(), following: None };
         assert_eq!(shares_of(&one), [1.0]);
-        let same = Rest { n_vertices: 2, vertices: vec![Vec4::ONE; 20], ties: Vec::new() };
+        let same = Rest { n_vertices: 2, vertices: vec![Vec4::ONE; 20], ties: Vec::new(), following: None };
         assert_eq!(shares_of(&same), [1.0; 10]);
-        let far = Rest { n_vertices: 1, vertices: vec![Vec4::ZERO, Vec4::splat(1e30), Vec4::ONE], ties: Vec::new() };
+        let far = Rest {
+            n_vertices: 1,
+            vertices: vec![Vec4::ZERO, Vec4::splat(1e30), Vec4::ONE],
+            ties: Vec::new(),
+            following: None,
+        };
         assert!(shares_of(&far).iter().all(|share| share.is_finite()));
     }
 }

@@ -3,6 +3,7 @@
 mod contacts;
 mod laws;
 mod moved;
+mod pins;
 mod pulls;
 mod rods;
 mod strands;

@@ -35,7 +35,7 @@ fn mesh() -> HairMesh {
     HairMesh { layers: (0..N_LAYERS).map(layer).collect() }
 }
 
-fn layer() -> Layer {
+pub fn layer() -> Layer {
     let layer = Layer::new("hair", Source::HairMesh(Arc::new(mesh())));
     Layer { n_strands: 60, vertices_per_strand: 16, tied: 0.1, ..layer }
 }

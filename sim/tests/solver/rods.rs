@@ -1,6 +1,7 @@
 //! What rods promise: statics that no step, iteration or resolution changes, and dynamics that keep what is to be kept.
 
 use glam::{Affine3A, Vec4Swizzles};
+use lorelei_core::binding::Tie;
 use lorelei_core::simulation::{SimulationSettings, Solver};
 use lorelei_sim::CpuSolver;
 use lorelei_sim::laws::scenes::{ball_field, draped};
@@ -45,7 +46,7 @@ fn what_is_tied_stays_while_the_rest_swings() {
     let guides = draped(12, 32, 30.0, 0.0);
     let run = |tied: f32| {
         let mut solver = CpuSolver::new(&[&guides], Some(&ball_field()), &SimulationSettings::default());
-        solver.set_ties(0, &vec![tied; guides.n_guides()]);
+        solver.set_ties(0, &vec![Tie::up_to(tied); guides.n_guides()]);
         let mut farthest = [0.0_f32; 2];
         for frame in 1..90 {
             let pose = Affine3A::from_rotation_y(0.5 * (std::f32::consts::TAU * frame as f32 / 45.0).sin());

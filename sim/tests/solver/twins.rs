@@ -4,6 +4,7 @@ use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::collider::{Attachment, Collider};
 use lorelei_core::guides::GuideSet;
 use lorelei_core::motion::{HeadPose, Motion};
+use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::{Pearl, SimulationSettings, Solver, Volume};
 use lorelei_shaders::{Gpu, ShaderLibrary};
 use lorelei_sim::laws::scenes::{ball_field, draped};
@@ -17,11 +18,15 @@ pub struct Twins {
 
 impl Twins {
     pub fn new(guides: &[&GuideSet], settings: &SimulationSettings) -> Self {
+        Self::of_hair(&MovedHair::of_guides(guides), settings)
+    }
+
+    pub fn of_hair(hair: &[MovedHair], settings: &SimulationSettings) -> Self {
         let gpu = Gpu::headless().unwrap();
         let field = ball_field();
         let library = ShaderLibrary::embedded();
-        let gpu_solver = GpuSolver::new(&gpu, &library, guides, Some(&field), settings).unwrap();
-        Self { cpu_solver: CpuSolver::new(guides, Some(&field), settings), gpu_solver, gpu }
+        let gpu_solver = GpuSolver::of_hair(&gpu, &library, hair, Some(&field), settings).unwrap();
+        Self { cpu_solver: CpuSolver::of_hair(hair, Some(&field), settings), gpu_solver, gpu }
     }
 
     pub fn advance(&mut self, frame_secs: f32, pose: &Affine3A) -> usize {
@@ -34,7 +39,7 @@ impl Twins {
         n_steps
     }
 
-    fn on_gpu(&self, layer_idx: usize, n: usize) -> Vec<Vec3> {
+    pub fn on_gpu(&self, layer_idx: usize, n: usize) -> Vec<Vec3> {
         let read: Vec<Vec4> = self.gpu.read_buffer(self.gpu_solver.positions(layer_idx)).unwrap();
         read[..n].iter().map(|x| x.xyz()).collect()
     }

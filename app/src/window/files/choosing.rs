@@ -130,7 +130,9 @@ impl Studio {
     pub(in crate::window) fn selected_layer(&self) -> Option<usize> {
         match self.desk.selection {
             Selection::Layer(layer_idx) => Some(layer_idx),
-            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => None,
+            Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Pin(_) | Selection::Wind(_) => {
+                None
+            }
         }
     }
 

@@ -7,6 +7,7 @@ pub mod lights;
 pub mod lod;
 pub mod look;
 pub mod outliner;
+pub mod pins;
 pub mod properties;
 pub mod read_as;
 pub mod simulation;

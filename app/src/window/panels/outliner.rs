@@ -236,9 +236,11 @@ impl Row<'_> {
         }
         let response = response.on_hover_text(match self.selection {
             Selection::Head => "Click to see its properties; right-click for more",
-            Selection::Layer(_) | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => {
-                "Click to see its properties; double-click to rename it; right-click for more"
-            }
+            Selection::Layer(_)
+            | Selection::Light(_)
+            | Selection::Collider(_)
+            | Selection::Pin(_)
+            | Selection::Wind(_) => "Click to see its properties; double-click to rename it; right-click for more",
         });
         if response.clicked() {
             desk.selection = self.selection;

@@ -19,6 +19,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
         Selection::Layer(layer_idx) => layer(ui, desk, layer_idx),
         Selection::Light(light_idx) => super::lights::one(ui, desk, light_idx),
         Selection::Collider(collider_idx) => super::colliders::one(ui, desk, collider_idx),
+        Selection::Pin(pin_idx) => super::pins::one(ui, desk, pin_idx),
         Selection::Wind(source_idx) => super::wind::one(ui, desk, source_idx),
     }
 }

@@ -59,6 +59,7 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     }
     super::wind::section(ui, desk);
     super::colliders::section(ui, desk);
+    super::pins::section(ui, desk);
 }
 
 /// Kinds of hair by how they move, as starting points.

@@ -5,6 +5,7 @@ use egui::{Event, Order, Pos2, RawInput, Rect, Sense, Ui, pos2, vec2};
 use glam::Vec3;
 use lorelei_core::collider::Collider;
 use lorelei_core::maps::Maps;
+use lorelei_core::pin::Pin;
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::{history, lights, lod, look, outliner, properties, simulation, statistics, style};
@@ -77,10 +78,16 @@ fn every_control_of_every_panel_has_a_tooltip() {
     desk.document.groom.simulation.sources = vec![lorelei_core::wind::WindSource::default()];
     desk.document.groom.simulation.colliders =
         vec![Collider::capsule("arm", [Vec3::ZERO, Vec3::Y], [2.0, 1.0]), Collider::default()];
+    desk.document.groom.simulation.pins = vec![Pin::default()];
     let mut silent = without_tooltip("outliner", |ui| outliner::ui(ui, &mut desk));
-    for selection in
-        [Selection::Head, Selection::Layer(0), Selection::Light(0), Selection::Collider(0), Selection::Wind(0)]
-    {
+    for selection in [
+        Selection::Head,
+        Selection::Layer(0),
+        Selection::Light(0),
+        Selection::Collider(0),
+        Selection::Pin(0),
+        Selection::Wind(0),
+    ] {
         desk.selection = selection;
         silent.extend(without_tooltip(&format!("{selection:?}"), |ui| properties::ui(ui, &mut desk)));
     }

@@ -27,7 +27,7 @@ pub fn target(desk: &Desk) -> Option<(usize, Arc<HairMesh>)> {
     };
     match desk.selection {
         Selection::Layer(layer_idx) => mesh_of(layer_idx),
-        Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => None,
+        Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Pin(_) | Selection::Wind(_) => None,
     }
     .or_else(|| (0..layers.len()).find_map(mesh_of))
 }

@@ -92,9 +92,12 @@ pub fn layer_idx(desk: &Desk) -> Option<usize> {
 fn selected(groom: &Groom, selection: Selection) -> Option<usize> {
     match selection {
         Selection::Layer(layer_idx) if layer_idx < groom.layers.len() => Some(layer_idx),
-        Selection::Layer(_) | Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => {
-            (!groom.layers.is_empty()).then_some(0)
-        }
+        Selection::Layer(_)
+        | Selection::Head
+        | Selection::Light(_)
+        | Selection::Collider(_)
+        | Selection::Pin(_)
+        | Selection::Wind(_) => (!groom.layers.is_empty()).then_some(0),
     }
 }
 

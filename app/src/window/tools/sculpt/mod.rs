@@ -60,9 +60,12 @@ pub fn layer_idx(desk: &Desk) -> Option<usize> {
     let n_layers = desk.document.groom.layers.len();
     match desk.selection {
         Selection::Layer(layer_idx) if layer_idx < n_layers => Some(layer_idx),
-        Selection::Layer(_) | Selection::Head | Selection::Light(_) | Selection::Collider(_) | Selection::Wind(_) => {
-            (n_layers > 0).then_some(0)
-        }
+        Selection::Layer(_)
+        | Selection::Head
+        | Selection::Light(_)
+        | Selection::Collider(_)
+        | Selection::Pin(_)
+        | Selection::Wind(_) => (n_layers > 0).then_some(0),
     }
 }
 
