@@ -28,7 +28,7 @@ impl SimulationSettings {
         let numbers = match kind {
             HairKind::FineStraight => [2.5, 0.003, 1.5, 1.5, 1.5, 3.0, 3.0, 0.15, 0.2],
             HairKind::ThickWavy => [4.5, 0.006, 2.2, 2.0, 0.9, 4.0, 3.5, 0.2, 0.25],
-            HairKind::TightCurls => [7.0, 0.01, 2.0, 2.0, 0.8, 3.5, 2.5, 0.2, 0.3],
+            HairKind::TightCurls => [7.0, 0.01, 2.0, 2.0, 2.5, 3.5, 2.5, 0.2, 0.3],
             HairKind::Wet => [1.5, 0.004, 2.5, 2.0, 0.2, 2.5, 2.0, 0.05, 0.7],
             HairKind::Tied => [9.0, 0.01, 3.0, 2.5, 0.6, 8.0, 6.0, 0.15, 0.3],
         };
