@@ -101,6 +101,11 @@ impl Maker {
             solver.set_settings(settings)?;
             return Ok(Some(solver));
         }
+        let n_vertices: usize = layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
+        if self.is_stale && n_vertices <= QUICK {
+            // What is made at once does not wait for what nobody wants any more.
+            (self.job, self.is_stale) = (None, false);
+        }
         loop {
             if let Some(job) = self.job.take_if(|job| gear.waits || job.is_finished()) {
                 let made = job.join();
@@ -119,7 +124,6 @@ impl Maker {
             let (gpu, library, settings) = (gear.gpu.clone(), gear.library.clone(), settings.clone());
             let field = gear.field.cloned();
             let known = self.hair.clone();
-            let n_vertices: usize = layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
             let layers = layers.to_vec();
             let make = move || {
                 let of_layer = |(layer, binding): &LayerHair| MovedHair::new(moved, layer, binding, field.as_deref());
@@ -199,5 +203,10 @@ mod tests {
         maker.forget();
         assert!(maker.make(&gear, &layers, Moved::Guides, &settings).unwrap().is_some());
         assert_eq!(maker.hair()[0].curves.n_guides(), 40);
+        // They do not even wait for strands that nobody wants any more.
+        maker.forget();
+        assert!(maker.make(&gear, &layers, Moved::Strands, &settings).unwrap().is_none());
+        maker.forget();
+        assert!(maker.make(&gear, &layers, Moved::Guides, &settings).unwrap().is_some() && !maker.is_making());
     }
 }
