@@ -3,6 +3,8 @@
 use glam::Vec3;
 use lorelei_core::pin::{Pin, RADII};
 
+use super::wind_source::{finite, within};
+
 /// How it is written.
 pub const SYNTAX: &str = "X,Y,Z[,KEY=VALUE...]";
 const EXAMPLE: &str = "7,2,3,radius=1.5";
@@ -13,19 +15,14 @@ pub fn parse(text: &str) -> Result<Pin, String> {
     let mut place = [0.0; 3];
     for (axis, place) in ["x", "y", "z"].into_iter().zip(&mut place) {
         let number = parts.next().ok_or_else(|| format!("{axis} is missing: {SYNTAX}, such as {EXAMPLE}"))?;
-        let read = number.parse::<f32>().ok().filter(|number| number.is_finite());
-        *place = read.ok_or_else(|| format!("{number:?}: a place is a number of centimetres"))?;
+        *place = finite(number, "a place, in centimetres")?;
     }
     let mut pin = Pin { centre: Vec3::from_array(place), ..Pin::default() };
     for part in parts {
         let (key, value) = part.split_once('=').ok_or_else(|| format!("{part:?}: write it as KEY=VALUE"))?;
         match (key.trim(), value.trim()) {
             ("name", name) => name.clone_into(&mut pin.name),
-            ("radius", number) => {
-                let radius = number.parse::<f32>().ok().filter(|radius| (RADII.0..=RADII.1).contains(radius));
-                let (min, max) = RADII;
-                pin.radius = radius.ok_or_else(|| format!("{number}: the radius in centimetres, {min} to {max}"))?;
-            }
+            ("radius", number) => pin.radius = within(number, "the radius in centimetres", RADII)?,
             (key, _) => return Err(format!("there is no {key:?}: radius, name")),
         }
     }

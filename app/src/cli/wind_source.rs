@@ -41,14 +41,16 @@ pub fn parse(text: &str) -> Result<SourceArgument, String> {
     Ok(argument)
 }
 
-fn finite(text: &str, what: &str) -> Result<f32, String> {
+/// A number of what is meant.
+pub(super) fn finite(text: &str, what: &str) -> Result<f32, String> {
     text.parse::<f32>()
         .ok()
         .filter(|number| number.is_finite())
         .ok_or_else(|| format!("{text:?}: a number is wanted, {what}"))
 }
 
-fn within(text: &str, what: &str, (min, max): (f32, f32)) -> Result<f32, String> {
+/// The same in a range.
+pub(super) fn within(text: &str, what: &str, (min, max): (f32, f32)) -> Result<f32, String> {
     let number = finite(text, what)?;
     let is_within = (min..=max).contains(&number);
     is_within.then_some(number).ok_or_else(|| format!("{text}: {what}, from {min} to {max}"))

@@ -18,6 +18,8 @@ use super::wind_handles::arrow;
 
 /// Arrows along each side of the box.
 const N_ARROWS: u32 = 9;
+/// Share of a source's speed from which on its stream counts as blowing in the box.
+const FELT: f32 = 0.05;
 /// Squares along each side of the slice.
 const N_SQUARES: u32 = 96;
 const N_TRACERS: u32 = 500;
@@ -112,6 +114,13 @@ impl Space {
         self.min + share * self.size
     }
 
+    /// The middles of as many parts as there are arrows.
+    fn places(&self) -> impl Iterator<Item = Vec3> {
+        const N: u32 = N_ARROWS;
+        let at = |i: u32| Vec3::new((i % N) as f32, (i / N % N) as f32, (i / (N * N)) as f32);
+        (0..N * N * N).map(move |i| self.at((at(i) + 0.5) / N as f32))
+    }
+
     fn holds(&self, p: Vec3) -> bool {
         let share = (p - self.min) / self.size;
         share.cmpge(Vec3::ZERO).all() && share.cmple(Vec3::ONE).all()
@@ -129,14 +138,17 @@ fn velocity_at(air: &AirGrid, p: Vec3) -> Option<Vec3> {
     (open > 0.5).then_some(v)
 }
 
-/// What the colours end at: a little over the steady wind, or the fastest stream, wherever in the box it blows.
+/// What the colours end at: a little over the steady wind, or the fastest source that blows in the box. No gust or eddy moves
+/// it, or the picture would change colour with each.
 fn fastest_of(air: &AirGrid, space: &Space, sources: &[WindSource]) -> f32 {
     let steady = 1.3 * air.free.steady.length();
-    let n = N_ARROWS;
-    let share = |i: u32| Vec3::new((i % n) as f32, (i / n % n) as f32, (i / (n * n)) as f32) / (n - 1) as f32;
-    let from_outside = (0..n * n * n).map(|i| air.free.free_air(space.at(share(i))).length()).fold(0.0, f32::max);
-    let streams = sources.iter().filter(|source| source.on && space.holds(source.place)).map(|source| source.speed);
-    streams.fold(steady.max(from_outside), f32::max).max(20.0)
+    // The free air has those that are on, in their order.
+    let on = sources.iter().filter(|source| source.on).zip(&air.free.sources);
+    let streams = on.filter_map(|(source, stream)| {
+        let is_felt = |p: Vec3| stream.stream(p).length() > FELT * stream.speed;
+        (space.holds(source.place) || space.places().any(is_felt)).then_some(source.speed)
+    });
+    streams.fold(steady, f32::max).max(20.0)
 }
 
 /// Dark blue where the air is calm, over green to yellow and white.
@@ -150,11 +162,8 @@ fn colour_of(speed: f32, fastest: f32) -> Color32 {
 }
 
 fn arrows(painter: &Painter, projection: Projection, air: &AirGrid, space: &Space, fastest: f32) {
-    let n = N_ARROWS;
-    let longest = 1.1 * space.size.x / n as f32;
-    for i in 0..n * n * n {
-        let share = (Vec3::new((i % n) as f32, (i / n % n) as f32, (i / (n * n)) as f32) + 0.5) / n as f32;
-        let at = space.at(share);
+    let longest = 1.1 * space.size.x / N_ARROWS as f32;
+    for at in space.places() {
         let Some(v) = velocity_at(air, at) else { continue };
         let speed = v.length();
         if speed < 0.02 * fastest {
@@ -367,6 +376,28 @@ mod tests {
         // Time that goes back starts anew.
         smoke.advance(&air, &space, &[], 0.0);
         assert!(smoke.tracers.iter().all(|tracer| tracer.trail.is_empty()));
+    }
+
+    #[test]
+    fn colours_end_at_the_fastest_source_that_blows_in_the_box_wherever_it_stands() {
+        let fan = WindSource {
+            place: Vec3::X * 60.0,
+            direction: Vec3::NEG_X,
+            speed: 600.0,
+            radius: 8.0,
+            ..WindSource::default()
+        };
+        let ends_at = |sources: Vec<WindSource>| {
+            let settings = SimulationSettings { wind_speed: 100.0, sources, ..SimulationSettings::default() };
+            let air = AirGrid::of_free(FreeAir::new(&settings, 0.0));
+            let space = Space::new(&air, (Vec3::splat(-10.0), Vec3::splat(10.0)));
+            fastest_of(&air, &space, &settings.sources)
+        };
+        assert_eq!(ends_at(vec![fan.clone()]), 600.0);
+        let off = WindSource { on: false, ..fan.clone() };
+        let away = WindSource { direction: Vec3::X, speed: 900.0, ..fan.clone() };
+        assert_eq!(ends_at(vec![off.clone(), away.clone()]), 130.0);
+        assert_eq!(ends_at(vec![off, away, fan]), 600.0, "those that are off have no place among the streams");
     }
 
     #[test]

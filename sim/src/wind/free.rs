@@ -158,8 +158,8 @@ impl FreeAir {
 }
 
 impl FreeSource {
-    /// The stream at a place, without its eddies.
-    fn stream(&self, p: Vec3) -> Vec3 {
+    /// The stream at a place (world, cm), without its eddies, cm/s.
+    pub fn stream(&self, p: Vec3) -> Vec3 {
         let from_place = p - self.place;
         let along = from_place.dot(self.direction);
         let aside = from_place - along * self.direction;
