@@ -8,6 +8,7 @@ use glam::{Affine3A, Vec3, Vec4};
 use lorelei_core::binding::Tie;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::guides::GuideSet;
+use lorelei_core::io::Watch;
 use lorelei_core::moved::MovedHair;
 use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
@@ -201,12 +202,33 @@ impl GpuSolver {
         field: Option<&DistanceField>,
         settings: &SimulationSettings,
     ) -> Result<Self, ShaderError> {
+        let made = Self::of_hair_watched(gpu, library, hair, field, settings, Watch::default())?;
+        Ok(made.expect("nobody can cancel what is not watched"))
+    }
+
+    /// As [`GpuSolver::of_hair`]; `None` where it was cancelled.
+    pub fn of_hair_watched(
+        gpu: &Gpu,
+        library: &ShaderLibrary,
+        hair: &[MovedHair],
+        field: Option<&DistanceField>,
+        settings: &SimulationSettings,
+        watch: Watch<'_>,
+    ) -> Result<Option<Self>, ShaderError> {
         let capsules = capsules_of(settings);
         let obstacles = Obstacles::new(field, &capsules, settings);
         let mut layers = Vec::with_capacity(hair.len());
         let mut follow = None;
+        let n_vertices: usize = hair.iter().map(|hair| hair.curves.positions.len()).sum();
+        let mut n_done = 0;
         for hair in hair {
-            let model = SimulatedLayer::new(hair, obstacles, settings, Pose::IDENTITY);
+            let n = hair.curves.positions.len();
+            let on_progress =
+                |share: f32| watch.progress((n_done as f32 + share * n as f32) / n_vertices.max(1) as f32);
+            let of_layer = Watch { on_progress: Some(&on_progress), cancel: watch.cancel };
+            let made = SimulatedLayer::new_watched(hair, obstacles, settings, Pose::IDENTITY, of_layer);
+            let Some(model) = made else { return Ok(None) };
+            n_done += n;
             let mut layer = Layer::new(gpu, model);
             if let Some(following) = layer.model.rest.following.clone() {
                 if follow.is_none() {
@@ -221,7 +243,7 @@ impl GpuSolver {
         let kernel = kernel_for(gpu, library, settings, has_thin)?;
         let volume = volume_of(gpu, library, &layers, settings)?;
         let faces = field.map_or_else(Vec::new, faces_of);
-        Ok(Self {
+        Ok(Some(Self {
             kernel,
             has_thin,
             follow,
@@ -240,7 +262,7 @@ impl GpuSolver {
             pull: None,
             gpu: gpu.clone(),
             library: library.clone(),
-        })
+        }))
     }
 
     /// The movement goes on with other settings; under another law it starts again from rest. Fails where a shader that

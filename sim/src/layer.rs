@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::binding::Tie;
 use lorelei_core::guides::GuideSet;
+use lorelei_core::io::Watch;
 use lorelei_core::moved::{Follow, MovedHair};
 use lorelei_core::simulation::{Moved, RestShape, SimulationSettings, Solver};
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use crate::follow::Following;
 use crate::lanes::Lanes;
 use crate::pose::Pose;
 use crate::pull::PullParams;
-use crate::rest::{Hold, Rest, Windage};
+use crate::rest::{Exposure, Hold, Rest, Windage};
 use crate::rod::{self, Eliminated, N_PINNED, RodParams, RodVertex, step_rod};
 use crate::rod_rest::{self, RodRest};
 use crate::volume::shares_of;
@@ -50,23 +51,40 @@ enum Law {
 impl SimulatedLayer {
     /// At rest on a head at `pose`.
     pub fn new(hair: &MovedHair, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
+        Self::new_watched(hair, obstacles, settings, pose, Watch::default()).expect(NOT_CANCELLED)
+    }
+
+    /// `None` where it was cancelled.
+    pub fn new_watched(
+        hair: &MovedHair,
+        obstacles: Obstacles<'_>,
+        settings: &SimulationSettings,
+        pose: Pose,
+        watch: Watch<'_>,
+    ) -> Option<Self> {
         let following = match &hair.follow {
             Follow::Spline(spline) => Some(Arc::new(Following::new(spline, &hair.curves))),
             Follow::Guides | Follow::Strands => None,
         };
         let rest = Rest { ties: hair.ties.clone(), following, ..Rest::new(&hair.curves, obstacles) };
-        Self::of_rest(&hair.curves, rest, settings, pose)
+        Self::of_rest(&hair.curves, rest, settings, pose, watch)
     }
 
-    fn of_rest(guides: &GuideSet, rest: Rest, settings: &SimulationSettings, pose: Pose) -> Self {
-        let law = Law::new(&rest, settings, pose);
+    fn of_rest(
+        guides: &GuideSet,
+        rest: Rest,
+        settings: &SimulationSettings,
+        pose: Pose,
+        watch: Watch<'_>,
+    ) -> Option<Self> {
+        let law = Law::new(&rest, settings, pose, watch)?;
         let hold = Hold::new(settings);
         let n = rest.n_vertices.max(1) as usize;
         let edges = rest.vertices.chunks(n).flat_map(|strand| strand.windows(2));
         let longest_edge = edges.map(|edge| edge[0].xyz().distance(edge[1].xyz())).fold(0.0, f32::max);
         let mut layer = Self { guides: guides.clone(), rest, longest_edge, hold, law, shown: Vec::new() };
         layer.reset(pose);
-        layer
+        Some(layer)
     }
 
     /// The movement goes on with other settings; true where what is fixed is another: what [`SimulatedLayer::rest_vec4s`]
@@ -119,7 +137,8 @@ impl SimulatedLayer {
 
     /// What is fixed, anew; the state stays.
     fn rebind(&mut self, settings: &SimulationSettings, pose: Pose) {
-        let before = std::mem::replace(&mut self.law, Law::new(&self.rest, settings, pose));
+        let law = Law::new(&self.rest, settings, pose, Watch::default()).expect(NOT_CANCELLED);
+        let before = std::mem::replace(&mut self.law, law);
         match (&mut self.law, before) {
             (Law::Rods { state, .. }, Law::Rods { state: before, .. }) => *state = before,
             (Law::Chains { state, .. }, Law::Chains { state: before, .. }) => *state = before,
@@ -136,7 +155,8 @@ impl SimulatedLayer {
 
     /// The same guides at rest under another law.
     pub fn under(&self, obstacles: Obstacles<'_>, settings: &SimulationSettings, pose: Pose) -> Self {
-        Self::of_rest(&self.guides, self.rest_among(obstacles), settings, pose)
+        let rest = self.rest_among(obstacles);
+        Self::of_rest(&self.guides, rest, settings, pose, Watch::default()).expect(NOT_CANCELLED)
     }
 
     /// The same hair at rest among other obstacles.
@@ -328,29 +348,54 @@ impl SimulatedLayer {
     }
 }
 
+/// Strands that are made ready between two looks whether it is cancelled: a few milliseconds.
+const STRANDS_AT_ONCE: usize = 2048;
+const NOT_CANCELLED: &str = "nobody can cancel what is not watched";
+
+/// What is fixed of every strand of `n` vertices, a run of strands at a time; `None` where it was cancelled.
+fn of_strands<R: Send>(
+    places: &[Vec4],
+    exposures: &[Exposure],
+    n: usize,
+    of: impl Fn(&[Vec4], &[Exposure]) -> Vec<R> + Sync,
+    watch: Watch<'_>,
+) -> Option<Vec<R>> {
+    let run = n * STRANDS_AT_ONCE;
+    let mut fixed = Vec::with_capacity(places.len());
+    for (places_of_run, exposures_of_run) in places.chunks(run).zip(exposures.chunks(run)) {
+        watch.progress(fixed.len() as f32 / places.len() as f32);
+        if watch.cancelled() {
+            return None;
+        }
+        let strands = places_of_run.par_chunks(n).zip(exposures_of_run.par_chunks(n));
+        fixed.par_extend(strands.flat_map_iter(|(places, exposures)| of(places, exposures)));
+    }
+    Some(fixed)
+}
+
 impl Law {
-    /// Without a state yet.
-    fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose) -> Self {
+    /// At rest; `None` where it was cancelled.
+    fn new(rest: &Rest, settings: &SimulationSettings, pose: Pose, watch: Watch<'_>) -> Option<Self> {
         let n = rest.n_vertices.max(1) as usize;
         let exposures = rest.exposures(&Hold::new(settings));
         let is_weightless = is_weightless_in(settings);
-        let strands = rest.vertices.par_chunks(n).zip(exposures.par_chunks(n));
-        match settings.solver {
+        Some(match settings.solver {
             Solver::Rods => {
                 let params = RodParams::new(settings);
-                let of = |(places, exposures)| rod_rest::rest_of(places, exposures, &params, is_weightless);
-                let rest: Vec<RodRest> = strands.flat_map_iter(of).collect();
+                let of =
+                    |places: &[Vec4], exposures: &[_]| rod_rest::rest_of(places, exposures, &params, is_weightless);
+                let rest: Vec<RodRest> = of_strands(&rest.vertices, &exposures, n, of, watch)?;
                 let state = rest.iter().map(|rest| rod_rest::at_rest(rest, pose)).collect();
                 Self::Rods { params, is_weightless, rest, state }
             }
             Solver::Chains => {
                 let params = ChainParams::new(settings);
-                let of = |(places, exposures)| chain::rest_of(places, exposures, &params, is_weightless);
-                let rest: Vec<ChainRest> = strands.flat_map_iter(of).collect();
+                let of = |places: &[Vec4], exposures: &[_]| chain::rest_of(places, exposures, &params, is_weightless);
+                let rest: Vec<ChainRest> = of_strands(&rest.vertices, &exposures, n, of, watch)?;
                 let state = rest.iter().map(|rest| chain::at_rest(rest, pose)).collect();
                 Self::Chains { params, is_weightless, rest, state }
             }
-        }
+        })
     }
 }
 
@@ -368,5 +413,34 @@ fn show(shown: &mut [Vec4], places: &[Vec4], frame: &Frame, at: impl Fn(usize) -
         let (x, begun) = at(k);
         let ahead = x + frame.ahead * (x - begun);
         *shown = if k < N_PINNED { frame.shown.apply(places[k].xyz()) } else { ahead }.extend(0.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn while_strands_are_made_ready_it_is_told_how_far_that_is_and_a_cancel_ends_it() {
+        let n_strands = 3 * STRANDS_AT_ONCE;
+        let strand = |i: usize| (0..4).map(move |k| Vec3::new(0.01 * i as f32, -(k as f32), 6.0));
+        let guides = GuideSet { n_vertices: 4, positions: (0..n_strands).flat_map(strand).collect() };
+        let hair = MovedHair::of_guides(&[&guides]).remove(0);
+        for solver in [Solver::Rods, Solver::Chains] {
+            let settings = SimulationSettings { solver, ..SimulationSettings::default() };
+            let obstacles = Obstacles::new(None, &[], &settings);
+            let make = |watch| SimulatedLayer::new_watched(&hair, obstacles, &settings, Pose::IDENTITY, watch);
+            let (told, cancel) = (RefCell::new(Vec::new()), AtomicBool::new(false));
+            let tell = |share: f32| told.borrow_mut().push(share);
+            let made = make(Watch::new(&tell, &cancel)).unwrap();
+            assert_eq!(made.shown.len(), 4 * n_strands);
+            let expected = [0.0, 1.0 / 3.0, 2.0 / 3.0];
+            assert!(told.take().iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6));
+            let at_half = |share: f32| cancel.store(share > 0.5, Ordering::Relaxed);
+            assert!(make(Watch::new(&at_half, &cancel)).is_none());
+        }
     }
 }

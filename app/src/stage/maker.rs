@@ -2,11 +2,13 @@
 //! seconds. A solver that is not needed for a while is kept, so that it need not be made again.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
 use lorelei_core::binding::LayerBinding;
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::groom::Layer;
+use lorelei_core::io::Watch;
 use lorelei_core::moved::{MovedHair, g_per_cm, n_moved};
 use lorelei_core::simulation::{Moved, SimulationSettings};
 use lorelei_shaders::{Gpu, ShaderError, ShaderLibrary};
@@ -15,6 +17,9 @@ use lorelei_sim::gpu::{TooMuchHair, check_room};
 
 /// Moved vertices up to which a solver is made within a frame.
 const QUICK: usize = 60_000;
+
+/// Share of the work that it takes to draw every strand at rest.
+const DRAWN: f32 = 0.25;
 
 /// A layer, and what its strands hang on.
 pub type LayerHair = (Layer, Arc<LayerBinding>);
@@ -31,14 +36,53 @@ pub struct Gear<'s> {
 /// Hair, and the solver that moves it.
 type Made = (Arc<Vec<MovedHair>>, GpuSolver);
 
+/// A solver that is being made.
+struct Job {
+    /// What was cancelled makes nothing. `None` once it is waited for.
+    thread: Option<JoinHandle<Result<Option<Made>, ShaderError>>>,
+    is_cancelled: Arc<AtomicBool>,
+    /// Bits of the share that is done.
+    done: Arc<AtomicU32>,
+}
+
+impl Drop for Job {
+    fn drop(&mut self) {
+        self.is_cancelled.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Job {
+    fn start(
+        make: impl FnOnce(Watch<'_>) -> Result<Option<Made>, ShaderError> + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let (is_cancelled, done) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU32::new(0)));
+        let (cancel, share) = (Arc::clone(&is_cancelled), Arc::clone(&done));
+        let work = move || make(Watch::new(&|done: f32| share.store(done.to_bits(), Ordering::Relaxed), &cancel));
+        let thread = std::thread::Builder::new().name("solver".to_owned()).spawn(work)?;
+        Ok(Self { thread: Some(thread), is_cancelled, done })
+    }
+
+    fn is_finished(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
+    /// Wait for what comes of it. A panic of the thread is one of this one.
+    fn join(mut self) -> Result<Option<Made>, ShaderError> {
+        let made = self.thread.take().map(JoinHandle::join);
+        made.map_or(Ok(None), |made| made.unwrap_or_else(|why| std::panic::resume_unwind(why)))
+    }
+}
+
 /// Where solvers come from.
 #[derive(Default)]
 pub struct Maker {
     /// What of the groom is moved, once that is known.
     hair: Option<Arc<Vec<MovedHair>>>,
-    job: Option<JoinHandle<Result<Made, ShaderError>>>,
+    job: Option<Job>,
     /// The groom is another than when the job began.
     is_stale: bool,
+    /// A person does not want to wait for this hair.
+    is_given_up: bool,
     spare: Option<GpuSolver>,
 }
 
@@ -46,7 +90,16 @@ impl Maker {
     /// The hair has changed.
     pub fn forget(&mut self) {
         (self.hair, self.spare) = (None, None);
+        self.is_given_up = false;
         self.is_stale = self.job.is_some();
+        if let Some(job) = &self.job {
+            job.is_cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Do not wait for what is being made: there is no solver until the hair has changed.
+    pub fn give_up(&mut self) {
+        (self.job, self.is_stale, self.is_given_up) = (None, false, true);
     }
 
     /// Only the ties have changed; a solver that is in use is told by whoever uses it.
@@ -89,7 +142,13 @@ impl Maker {
         self.job.is_some()
     }
 
-    /// A solver of the present hair, in whatever state; `None` while it is still being made.
+    /// How much of it is done, 0-1.
+    pub fn share(&self) -> Option<f32> {
+        let job = self.job.as_ref().filter(|_| !self.is_stale);
+        job.map(|job| f32::from_bits(job.done.load(Ordering::Relaxed))).or(self.is_making().then_some(0.0))
+    }
+
+    /// A solver of the present hair, in whatever state; `None` while it is still being made, or was given up.
     pub fn make(
         &mut self,
         gear: &Gear<'_>,
@@ -101,19 +160,21 @@ impl Maker {
             solver.set_settings(settings)?;
             return Ok(Some(solver));
         }
+        if self.is_given_up {
+            return Ok(None);
+        }
         let n_vertices: usize = layers.iter().map(|(layer, binding)| n_moved(moved, layer, binding)).sum();
         if self.is_stale && n_vertices <= QUICK {
             // What is made at once does not wait for what nobody wants any more.
             (self.job, self.is_stale) = (None, false);
         }
         loop {
-            if let Some(job) = self.job.take_if(|job| gear.waits || job.is_finished()) {
-                let made = job.join();
+            if self.job.as_ref().is_some_and(|job| gear.waits || job.is_finished()) {
+                let made = self.job.take().map(Job::join);
                 if std::mem::take(&mut self.is_stale) {
                     continue;
                 }
-                // A panic of the thread is one of this one.
-                let (hair, mut solver) = made.unwrap_or_else(|why| std::panic::resume_unwind(why))?;
+                let Some((hair, mut solver)) = made.transpose()?.flatten() else { continue };
                 self.hair = Some(hair);
                 solver.set_settings(settings)?;
                 return Ok(Some(solver));
@@ -125,18 +186,23 @@ impl Maker {
             let field = gear.field.cloned();
             let known = self.hair.clone();
             let layers = layers.to_vec();
-            let make = move || {
+            let make = move |watch: Watch<'_>| {
                 let of_layer = |(layer, binding): &LayerHair| MovedHair::new(moved, layer, binding, field.as_deref());
                 let hair = known.unwrap_or_else(|| Arc::new(layers.iter().map(of_layer).collect()));
-                let solver = GpuSolver::of_hair(&gpu, &library, &hair, field.as_deref(), &settings)?;
-                Ok((hair, solver))
+                watch.progress(DRAWN);
+                let of_rest = |share: f32| watch.progress(DRAWN + (1.0 - DRAWN) * share);
+                let rest = Watch { on_progress: Some(&of_rest), cancel: watch.cancel };
+                let solver = GpuSolver::of_hair_watched(&gpu, &library, &hair, field.as_deref(), &settings, rest)?;
+                Ok(solver.map(|solver| (hair, solver)))
             };
             if gear.waits || n_vertices <= QUICK {
-                let (hair, solver) = make()?;
-                self.hair = Some(hair);
-                return Ok(Some(solver));
+                let made = make(Watch::default())?;
+                return Ok(made.map(|(hair, solver)| {
+                    self.hair = Some(hair);
+                    solver
+                }));
             }
-            match std::thread::Builder::new().name("solver".to_owned()).spawn(make) {
+            match Job::start(make) {
                 Ok(job) => self.job = Some(job),
                 Err(why) => {
                     let label = "a thread for every strand".to_owned();
@@ -168,8 +234,8 @@ mod tests {
 
     use super::*;
 
-    #[test]
-    fn every_strand_is_prepared_beside_the_frames_and_what_changed_meanwhile_is_prepared_again() {
+    /// More than is made at once.
+    fn many_strands() -> [LayerHair; 1] {
         let mut strands = Strands::default();
         for i in 0..40 {
             let points: Vec<Vec3> = (0..8).map(|k| Vec3::new(i as f32, -1.5 * k as f32, 6.0)).collect();
@@ -179,6 +245,37 @@ mod tests {
             Layer { n_strands: 1100, vertices_per_strand: 64, ..Layer::new("a", Source::Guides(Arc::new(strands))) };
         let layers = [(layer.clone(), Arc::new(bind_layer(&layer, None)))];
         assert!(n_moved(Moved::Strands, &layers[0].0, &layers[0].1) > QUICK);
+        layers
+    }
+
+    #[test]
+    fn what_nobody_wants_to_wait_for_is_not_made_until_there_is_other_hair() {
+        let layers = many_strands();
+        let (gpu, library) = (Gpu::headless().unwrap(), ShaderLibrary::embedded());
+        let gear = Gear { gpu: &gpu, library: &library, field: None, waits: false };
+        let settings = SimulationSettings { moved: Moved::Strands, ..SimulationSettings::default() };
+        let mut maker = Maker::default();
+        let mut make = |maker: &mut Maker| maker.make(&gear, &layers, Moved::Strands, &settings).unwrap();
+        assert!(maker.share().is_none() && make(&mut maker).is_none());
+        let is_cancelled = Arc::clone(&maker.job.as_ref().unwrap().is_cancelled);
+        assert!(maker.share().is_some_and(|share| (0.0..1.0).contains(&share)));
+        maker.give_up();
+        assert!(is_cancelled.load(Ordering::Relaxed), "its thread ends early");
+        assert!(maker.share().is_none() && make(&mut maker).is_none() && !maker.is_making());
+        maker.forget();
+        assert!(make(&mut maker).is_none() && maker.is_making());
+        let mut last = 0.0;
+        while make(&mut maker).is_none() {
+            let share = maker.share().unwrap();
+            assert!(share >= last, "{share} after {last}");
+            last = share;
+        }
+        assert!(last > 0.0);
+    }
+
+    #[test]
+    fn every_strand_is_prepared_beside_the_frames_and_what_changed_meanwhile_is_prepared_again() {
+        let layers = many_strands();
         let (gpu, library) = (Gpu::headless().unwrap(), ShaderLibrary::embedded());
         let gear = Gear { gpu: &gpu, library: &library, field: None, waits: false };
         let settings = SimulationSettings { moved: Moved::Strands, ..SimulationSettings::default() };

@@ -27,6 +27,8 @@ use crate::movement::{Course, Shot, Subject};
 /// Frames that one call simulates at most on its way to a frame that was asked for: a picture in between keeps the window
 /// answering.
 const FRAMES_AT_ONCE: u32 = 12;
+/// And at least, however long that takes: pictures in between take their time too.
+const LEAST_AT_ONCE: u32 = 2;
 
 /// Kept frames that there must be room for, for any to be kept: a second of film. Frames of every strand are large, and to
 /// bring them to the CPU takes its time.
@@ -68,6 +70,8 @@ pub struct Player {
     layers: Vec<LayerHair>,
     /// What is moved of it.
     moved: Moved,
+    /// What was, before every strand.
+    moved_before: Moved,
     maker: Maker,
     moving: Option<Moving>,
     frames: Frames,
@@ -78,6 +82,8 @@ pub struct Player {
     left: f64,
     /// A frame that was asked for and is not simulated yet.
     wanted: Option<u32>,
+    /// Frames that a call simulates on its way there.
+    n_at_once: u32,
     /// Frames now are no function of time: they are not kept.
     is_by_hand: bool,
     has_ended: bool,
@@ -102,6 +108,7 @@ impl Player {
             score,
             layers: Vec::new(),
             moved: Moved::Guides,
+            moved_before: Moved::Guides,
             maker: Maker::default(),
             moving: None,
             frames: Frames::default(),
@@ -109,6 +116,7 @@ impl Player {
             at: 0,
             left: 0.0,
             wanted: None,
+            n_at_once: FRAMES_AT_ONCE,
             is_by_hand: false,
             has_ended: false,
             shot: None,
@@ -140,7 +148,11 @@ impl Player {
         let is_restarted = !score.movement.moves_like(&self.score.movement);
         self.score = score;
         let (moved, too_much) = moved_on(gear.gpu, self.score.course.settings.moved, &layers);
-        let is_same_moved = std::mem::replace(&mut self.moved, moved) == moved;
+        let moved_before = std::mem::replace(&mut self.moved, moved);
+        let is_same_moved = moved_before == moved;
+        if !is_same_moved {
+            self.moved_before = moved_before;
+        }
         let before = std::mem::replace(&mut self.layers, layers);
         let all_alike = |is_alike: &dyn Fn(&LayerHair, &LayerHair) -> bool| {
             before.len() == self.layers.len() && before.iter().zip(&self.layers).all(|(a, b)| is_alike(a, b))
@@ -263,7 +275,7 @@ impl Player {
         self.plays = playback.is_playing && self.wanted.is_none();
         self.hold(gear, playback, sight)?;
         if let Some(wanted) = self.wanted {
-            self.go_to(gear, wanted, FRAMES_AT_ONCE, encoder)?;
+            self.go_to(gear, wanted, self.n_at_once, encoder)?;
             return Ok(true);
         }
         self.has_ended = false;
@@ -586,9 +598,33 @@ impl Player {
         self.n_shown().enumerate().map(of_layer).collect()
     }
 
-    /// What moves is still being prepared.
-    pub fn is_making(&self) -> bool {
-        self.maker.is_making()
+    /// Share of what moves that is prepared, while it is being prepared.
+    pub fn made(&self) -> Option<f32> {
+        self.maker.share()
+    }
+
+    /// Do not wait for what is being prepared: nothing moves until something else is to be moved. Returns what moved before.
+    pub fn give_up_making(&mut self) -> Moved {
+        self.maker.give_up();
+        self.moved_before
+    }
+
+    /// Frames until the one that was asked for, the warm-up's included.
+    pub fn n_left(&self) -> u32 {
+        let Some(wanted) = self.wanted else { return 0 };
+        let (front, warm_up_left) =
+            self.moving.as_ref().map_or((self.score.movement.start, 0), |moving| (moving.front, moving.warm_up_left));
+        warm_up_left + wanted.saturating_sub(front)
+    }
+
+    /// Stay at the frame that is shown, whichever was asked for.
+    pub fn stay(&mut self) {
+        self.wanted = None;
+    }
+
+    /// On the way to a frame that was asked for, the next picture may take so many times as long as the last one.
+    pub fn simulate_within(&mut self, ratio: f32) {
+        self.n_at_once = ((self.n_at_once as f32 * ratio) as u32).clamp(LEAST_AT_ONCE, FRAMES_AT_ONCE);
     }
 
     /// The air as it is drawn: the grid's of the last frame that was simulated, or free air where there is no grid; `None`

@@ -115,6 +115,31 @@ fn scrubbing_back_gives_the_identical_frame_and_so_does_simulating_elsewhere() {
 }
 
 #[test]
+fn on_the_way_to_a_frame_it_is_told_how_far_that_is_and_one_can_stay_where_it_has_come_to() {
+    let mut groom = groom();
+    groom.movement.warm_up_secs = 0.5;
+    let mut show = Show::new(&groom);
+    show.playback.seek(33);
+    show.frame(0.0);
+    let n_warm_up = 30;
+    assert_eq!((show.stage.player().wanted(), show.stage.player().n_left()), (Some(33), n_warm_up + 33 - 12));
+    // A picture that took four times too long: a quarter as many frames are simulated for the next.
+    show.stage.player().simulate_within(0.25);
+    show.frame(0.0);
+    assert_eq!(show.stage.player().n_left(), n_warm_up + 33 - 12 - 3);
+    show.stage.player().simulate_within(100.0);
+    while show.at() < 10 {
+        show.frame(0.0);
+    }
+    let at = show.at();
+    assert!(at < 33 && show.stage.player().n_left() == 33 - at);
+    show.stage.player().stay();
+    show.frame(0.0);
+    assert_eq!((show.at(), show.stage.player().wanted(), show.stage.player().n_left()), (at, None, 0));
+    assert_eq!(show.seek(33).0, 33);
+}
+
+#[test]
 fn time_loops_stops_or_goes_on_at_the_end() {
     let mut groom = groom();
     groom.movement.end = 6;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use lorelei_core::camera::Camera;
+use lorelei_core::simulation::Moved;
 use lorelei_render::inspect::Inspection;
 use lorelei_sim::wind::AirGrid;
 
@@ -16,16 +17,53 @@ use crate::movement::Shot;
 /// What takes long right now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Busy {
-    pub what: &'static str,
+    pub task: Task,
     /// Share that is done, where it is known.
     pub share: Option<f32>,
-    pub can_cancel: bool,
 }
 
-impl Busy {
-    pub(super) fn with(what: &'static str) -> Self {
-        Self { what, share: None, can_cancel: false }
+/// What the stage does that can take longer than a moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Task {
+    CompileShaders,
+    /// What strands hang on.
+    BindStrands,
+    /// What a solver of every strand needs.
+    PrepareEveryStrand,
+    /// Frames on the way to one that was asked for.
+    CatchUp,
+}
+
+impl Task {
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::CompileShaders => "Compiling shaders",
+            Self::BindStrands => "Preparing strands",
+            Self::PrepareEveryStrand => "Preparing every strand to move",
+            Self::CatchUp => "Simulating up to the frame",
+        }
     }
+
+    /// What a cancel leads to, where there is one.
+    pub fn after_cancel(self) -> Option<&'static str> {
+        match self {
+            Self::CompileShaders => None,
+            Self::BindStrands => Some("Back to what is on screen"),
+            Self::PrepareEveryStrand => Some("What moved before moves again"),
+            Self::CatchUp => Some("Pause at the frame that it has come to"),
+        }
+    }
+}
+
+/// What will not come, because a person did not want to wait for it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cancelled {
+    /// The strands of this state.
+    Strands(State),
+    /// Every strand is not moved; this was, before.
+    EveryStrand(Moved),
+    /// A frame that was asked for.
+    CatchUp,
 }
 
 /// How long the parts of the first picture took.
@@ -84,8 +122,8 @@ pub struct FrameReport {
     pub is_refining: bool,
     /// Nothing is left to do until another request.
     pub is_still: bool,
-    /// This state was not prepared, because a person cancelled it; handed out once.
-    pub cancelled: Option<State>,
+    /// What a person cancelled; handed out once.
+    pub cancelled: Option<Cancelled>,
     pub start: StartTimes,
     /// What a person should know about the groom that was prepared since the last pick-up.
     pub warnings: Vec<String>,
@@ -110,8 +148,10 @@ pub struct Timeline {
     pub secs: f64,
     /// A frame that was asked for and is still being simulated.
     pub wanted: Option<u32>,
-    /// What moves is still being prepared.
-    pub is_making: bool,
+    /// Share of what moves that is prepared, while it is being prepared.
+    pub made: Option<f32>,
+    /// Frames until the one that was asked for, the warm-up's included.
+    pub n_left: u32,
     /// Playing has come to the end and stays there.
     pub has_ended: bool,
     /// What is shown was made by hand, so that it is not kept.
@@ -130,7 +170,8 @@ impl Timeline {
             at,
             secs,
             wanted: player.wanted(),
-            is_making: player.is_making(),
+            made: player.made(),
+            n_left: player.n_left(),
             has_ended: player.has_ended(),
             is_by_hand: player.is_by_hand(),
             kept: player.frames().runs().iter().map(|run| [*run.start(), *run.end()]).collect(),

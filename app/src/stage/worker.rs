@@ -15,7 +15,7 @@ use lorelei_shaders::Gpu;
 use super::binder::{Binder, Binding, State};
 use super::display::Display;
 use super::pacer::Pacer;
-use super::report::{Busy, FrameReport, StartTimes, Timeline};
+use super::report::{Busy, Cancelled, FrameReport, StartTimes, Task, Timeline};
 use super::shown::Shown;
 use super::thread::{FrameRequest, Shared, StageGpu};
 use super::{Stage, StageError};
@@ -31,9 +31,9 @@ const OTHER_FRAMES: &str = "the frames are of another movement, another head or 
 const PACE_SECS: f32 = 2.0;
 /// A full frame is announced once the last one took longer than this.
 const ANNOUNCED_MS: f32 = 500.0;
-
-/// What takes its time where every strand is moved.
-const PREPARING_STRANDS: &str = "Preparing every strand to move";
+/// On the way to a frame that was asked for, pictures are to come as often as this, where simulating
+/// them is what takes long: a cancel acts between two of them.
+const CATCH_UP_MS: f32 = 1000.0;
 /// Until the next look whether it is done: nothing moves before.
 const LOOK_FOR_SOLVER: Duration = Duration::from_millis(50);
 
@@ -74,8 +74,10 @@ pub(super) struct Worker {
     ended_early: Option<State>,
     seen: u64,
     drawn: Option<FrameRequest>,
-    /// A frame of the timeline was asked for that is still to be simulated.
-    is_catching_up: bool,
+    /// A frame of the timeline was asked for that is still to be simulated: since when, and how many frames it was away.
+    catching_up: Option<(Instant, u32)>,
+    /// What moves is being prepared.
+    is_making: bool,
     /// What was offered last, and whether that was told already.
     offered: Option<Arc<Ranged>>,
     n_shots: u64,
@@ -101,7 +103,8 @@ impl Worker {
             ended_early: None,
             seen: 0,
             drawn: None,
-            is_catching_up: false,
+            catching_up: None,
+            is_making: false,
             offered: None,
             n_shots: 0,
             pace: [0.0; 2],
@@ -131,7 +134,7 @@ impl Worker {
         let adapter = self.gpu.window.adapter_info.name.clone();
         self.shared.publish(|report| {
             report.adapter = adapter;
-            report.busy = Some(Busy::with("Compiling shaders"));
+            report.busy = Some(Busy { task: Task::CompileShaders, share: None });
         });
     }
 
@@ -200,7 +203,8 @@ impl Worker {
             if let Some(binding) = mailbox.bound.take() {
                 return Event::Bound(Box::new(binding));
             }
-            if std::mem::take(&mut mailbox.should_cancel) && self.binder.is_some() {
+            let is_cancellable = self.binder.is_some() || self.is_making || self.catching_up.is_some();
+            if std::mem::take(&mut mailbox.should_cancel) && is_cancellable {
                 return Event::Cancel;
             }
             if let Some(binder) = self.binder.take_if(|binder| binder.has_ended()) {
@@ -215,11 +219,11 @@ impl Worker {
             }
             if let Some(binder) = &self.binder {
                 let share = binder.share();
-                mailbox.report.busy = Some(Busy { what: "Preparing strands", share: Some(share), can_cancel: true });
+                mailbox.report.busy = Some(Busy { task: Task::BindStrands, share: Some(share) });
             }
             if let Some(request) = &mailbox.request {
                 let is_new = mailbox.n_requests != self.seen;
-                if is_new || ((request.playback.is_playing || self.is_catching_up) && self.on_stage.is_some()) {
+                if is_new || ((request.playback.is_playing || self.catching_up.is_some()) && self.on_stage.is_some()) {
                     self.seen = mailbox.n_requests;
                     return Event::Draw(Box::new(request.clone()), is_new);
                 }
@@ -293,7 +297,7 @@ impl Worker {
             Ok(binder) => {
                 self.binder = Some(binder);
                 self.shared.publish(|report| {
-                    report.busy = Some(Busy { what: "Preparing strands", share: Some(0.0), can_cancel: true });
+                    report.busy = Some(Busy { task: Task::BindStrands, share: Some(0.0) });
                     report.is_still = false;
                 });
             }
@@ -301,16 +305,30 @@ impl Worker {
         }
     }
 
+    /// Give up what a person does not want to wait for: of several things the one that is announced.
     fn cancel(&mut self) {
-        let Some(binder) = self.binder.take() else { return };
-        let state = binder.state;
-        binder.cancel();
-        self.refused = Some(state);
-        // What waited behind it is looked at again.
-        self.seen = 0;
+        let cancelled = if let Some(binder) = self.binder.take() {
+            let state = binder.state;
+            binder.cancel();
+            self.refused = Some(state);
+            // What waited behind it is looked at again.
+            self.seen = 0;
+            Cancelled::Strands(state)
+        } else {
+            let is_making = std::mem::take(&mut self.is_making);
+            self.catching_up = None;
+            let Some(stage) = self.stage() else { return };
+            match is_making {
+                true => Cancelled::EveryStrand(stage.player().give_up_making()),
+                false => {
+                    stage.player().stay();
+                    Cancelled::CatchUp
+                }
+            }
+        };
         self.shared.publish(|report| {
             report.busy = None;
-            report.cancelled = Some(state);
+            report.cancelled = Some(cancelled);
         });
     }
 
@@ -325,7 +343,7 @@ impl Worker {
             self.binder = None;
         }
         if matches!(self.stage, Making::Compiling(_)) {
-            self.shared.publish(|report| report.busy = Some(Busy::with("Compiling shaders")));
+            self.shared.publish(|report| report.busy = Some(Busy { task: Task::CompileShaders, share: None }));
         }
         // A preview is no groom that anybody asks for: the groom itself is still to come.
         let state = if self.preview.is_some() { PREVIEW } else { binding.state };
@@ -377,7 +395,7 @@ impl Worker {
             && self.on_stage == Some(request.state)
             && !self.pacer.wants_full()
             && !request.playback.is_playing
-            && !self.is_catching_up
+            && self.catching_up.is_none()
     }
 
     /// Put the two pictures that are there together anew, and say what is under the pixel.
@@ -402,7 +420,7 @@ impl Worker {
 
     /// Draw a frame; false where nothing more can be drawn.
     fn draw(&mut self, request: FrameRequest, is_new: bool) -> bool {
-        let mut detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new || self.is_catching_up);
+        let mut detail = self.pacer.detail_for(&request, self.drawn.as_ref(), is_new || self.catching_up.is_some());
         if self.preview.is_some() {
             // It is thin already.
             detail.lod = 1.0;
@@ -449,8 +467,8 @@ impl Worker {
         let mut news = FrameReport::default();
         stage.describe(&mut news);
         let timeline = Timeline { speed, ..news.timeline };
-        let (is_catching_up, is_making) = (timeline.wanted.is_some(), timeline.is_making);
-        self.is_catching_up = is_catching_up;
+        let doing = self.doing(&timeline, now, frame_ms);
+        let (is_catching_up, is_making) = (self.catching_up.is_some(), self.is_making);
         if self.preview.is_none() {
             self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
         }
@@ -473,11 +491,10 @@ impl Worker {
             report.coarseness = detail.coarseness;
             report.frame_ms = frame_ms;
             report.is_refining = false;
-            match report.busy {
-                None if is_making => report.busy = Some(Busy::with(PREPARING_STRANDS)),
-                Some(Busy { what: PREPARING_STRANDS, .. }) if !is_making => report.busy = None,
-                _ => {}
-            }
+            report.busy = match report.busy {
+                Some(Busy { task: Task::BindStrands | Task::CompileShaders, .. }) => report.busy,
+                Some(Busy { task: Task::PrepareEveryStrand | Task::CatchUp, .. }) | None => doing,
+            };
             report.is_still =
                 detail.is_full() && !request.playback.is_playing && !is_catching_up && state == request.state;
             report.is_lost = is_lost && !has_own;
@@ -534,6 +551,25 @@ impl Worker {
         }
         self.drawn = Some(request);
         true
+    }
+
+    /// What movement waits for after a frame that was begun at `now`, once that is longer than a moment.
+    fn doing(&mut self, timeline: &Timeline, now: Instant, frame_ms: f32) -> Option<Busy> {
+        self.is_making = timeline.made.is_some();
+        let before = self.catching_up.take();
+        self.catching_up = timeline.wanted.map(|_| {
+            let (since, n_frames) = before.unwrap_or((now, 1));
+            (since, n_frames.max(timeline.n_left))
+        });
+        if self.is_making {
+            return Some(Busy { task: Task::PrepareEveryStrand, share: timeline.made });
+        }
+        let (since, n_frames) = self.catching_up?;
+        if let Some(stage) = self.stage() {
+            stage.player().simulate_within(CATCH_UP_MS / frame_ms.max(1e-3));
+        }
+        let share = 1.0 - timeline.n_left as f32 / n_frames as f32;
+        (ms_since(since) > ANNOUNCED_MS).then_some(Busy { task: Task::CatchUp, share: Some(share) })
     }
 
     /// Simulated time over real time, over the last seconds; 1 while nothing plays.

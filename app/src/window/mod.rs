@@ -38,6 +38,7 @@ use lorelei_shaders::Gpu;
 
 pub use start::{StartOptions, open};
 
+use crate::stage::report::Cancelled;
 use crate::stage::shown::Shown;
 use crate::stage::thread::{FrameRequest, StageGpu, StageThread};
 use desk::{Desk, FrameTimes};
@@ -214,8 +215,11 @@ impl Studio {
         if report.state == self.desk.document.state() {
             self.before = None;
         }
-        if let Some(state) = report.cancelled.take() {
-            self.take_back(state);
+        match report.cancelled.take() {
+            Some(Cancelled::Strands(state)) => self.take_back(state),
+            Some(Cancelled::EveryStrand(before)) => self.move_again(before),
+            Some(Cancelled::CatchUp) => self.desk.playback.is_playing = false,
+            None => {}
         }
         if report.texture != self.shown_texture
             && let Some(texture) = &report.texture

@@ -6,7 +6,9 @@ use lorelei_core::edit::Edit;
 use lorelei_core::groom::Groom;
 use lorelei_core::history::Merge;
 use lorelei_core::lod::LodChoice;
+use lorelei_core::look::Choice;
 use lorelei_core::motion::HeadPose;
+use lorelei_core::simulation::{Moved, SimulationSettings};
 
 use super::desk::Selection;
 use super::document::Document;
@@ -179,6 +181,23 @@ impl Studio {
         self.desk.playback.head_pose = HeadPose::default();
         self.desk.playback.n_resets += 1;
         self.desk.wants_frame = true;
+    }
+
+    /// A person gave up preparing every strand to move: what moved `before` does so again.
+    pub(super) fn move_again(&mut self, before: Moved) {
+        let simulation = &self.desk.document.groom.simulation;
+        if simulation.moved != Moved::Strands {
+            return;
+        }
+        let label = before.info().label;
+        let settings = SimulationSettings { moved: before, ..simulation.clone() };
+        let step = format!("What moves: {} again", label.to_lowercase());
+        self.desk.document.edit(&step, Edit::SetSimulation(Box::new(settings)), Merge::New);
+        let text = format!(
+            "Preparing every strand was cancelled. What moves is `{label}` again; choose `{}` in the panel Movement to prepare them anew.",
+            Moved::Strands.info().label
+        );
+        self.desk.notices.push(Severity::Info, "Not every strand moves", text);
     }
 
     /// A person gave up preparing `state`: back to what is on screen.

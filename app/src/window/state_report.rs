@@ -156,7 +156,7 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
             "bind": report.start.bind.as_secs_f32(), "first_frame": report.start.first_frame.as_secs_f32(),
         },
         "kept": kept(studio),
-        "busy": report.busy.map(|busy| busy.what),
+        "busy": report.busy.map(|busy| busy.task.label()),
         "jobs": studio.jobs.running.len(),
         "notices": desk.notices.shown.iter().map(|notice| format!("{}: {}", notice.title, notice.text)).collect::<Vec<_>>(),
         "question": studio.open_question(),

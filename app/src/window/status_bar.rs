@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use super::commands::Command;
 use super::panels::widgets::{milliseconds, thousands};
+use super::state_report::mark;
 use super::{Studio, theme, tools};
 
 pub fn ui(ui: &mut Ui, studio: &mut Studio) {
@@ -11,11 +12,13 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
     egui::Panel::bottom("status").frame(frame).show_separator_line(false).show(ui, |ui| {
         ui.horizontal(|ui| {
             let report = &studio.desk.report;
-            if let Some(busy) = report.busy.filter(|busy| busy.can_cancel) {
-                let cancel = ui.small_button("Cancel").on_hover_text("Back to what is on screen");
+            let cancellable = report.busy.and_then(|busy| Some((busy, busy.task.after_cancel()?)));
+            if let Some((busy, after_cancel)) = cancellable {
+                let cancel = ui.small_button("Cancel").on_hover_text(after_cancel);
+                mark(ui.ctx(), || "cancel".to_owned(), cancel.rect);
                 let bar = egui::ProgressBar::new(busy.share.unwrap_or(0.0));
                 ui.add(bar.desired_width(120.0).desired_height(8.0));
-                ui.label(busy.what);
+                ui.label(busy.task.label());
                 if cancel.clicked()
                     && let Some(stage) = &studio.stage
                 {
@@ -43,9 +46,9 @@ pub fn ui(ui: &mut Ui, studio: &mut Studio) {
                 ui.label(weak(format!("frame {}", milliseconds(report.frame_ms))));
                 ui.separator();
                 ui.label(weak(format!("{} strands", thousands(report.n_strands))));
-                if let Some(busy) = report.busy.filter(|busy| !busy.can_cancel) {
+                if let Some(busy) = report.busy.filter(|_| cancellable.is_none()) {
                     ui.separator();
-                    ui.label(RichText::new(format!("{}\u{2026}", busy.what)).small().color(theme::ACCENT));
+                    ui.label(RichText::new(format!("{}\u{2026}", busy.task.label())).small().color(theme::ACCENT));
                     ui.add(egui::Spinner::new().size(12.0));
                 }
             });

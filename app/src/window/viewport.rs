@@ -114,8 +114,8 @@ impl Viewport {
         }
         if let Some(busy) = report.busy {
             lines.push(match busy.share {
-                Some(share) => format!("{}\u{2026} {:.0} %", busy.what, 100.0 * share),
-                None => format!("{}\u{2026}", busy.what),
+                Some(share) => format!("{}\u{2026} {:.0} %", busy.task.label(), 100.0 * share),
+                None => format!("{}\u{2026}", busy.task.label()),
             });
         } else if report.is_refining {
             lines.push("Drawing every strand\u{2026}".to_owned());
@@ -129,7 +129,7 @@ impl Viewport {
             }
         }
         if self.texture.is_none() {
-            let text = report.busy.map_or("No picture yet", |busy| busy.what);
+            let text = report.busy.map_or("No picture yet", |busy| busy.task.label());
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
         }
