@@ -33,7 +33,7 @@ pub struct Pin {
 
 impl Default for Pin {
     fn default() -> Self {
-        Self { name: "pin".to_owned(), on: true, centre: Vec3::ZERO, radius: 1.5 }
+        Self { name: "Pin".to_owned(), on: true, centre: Vec3::ZERO, radius: 1.5 }
     }
 }
 

@@ -204,7 +204,7 @@ impl AirSettings {
         vec![
             number("wind.gusts", "Gusts", "", (0.0, 2.0), &mut self.gusts.strength, BLOWS, "Share of the speed by which the wind swells and falls"),
             number("wind.gust_period", "Between gusts", "s", (0.1, 60.0), &mut self.gusts.period_secs, BLOWS, "Seconds from one gust to about the next"),
-            number("wind.eddies", "Turbulence", "", (0.0, 2.0), &mut self.eddies.amount, BLOWS, "Speed of the eddies as a share of the wind's: 0.1 open country, 0.3 a street"),
+            number("wind.eddies", "Eddies", "", (0.0, 2.0), &mut self.eddies.amount, BLOWS, "Speed of the eddies as a share of the wind's: 0.1 open country, 0.3 a street"),
             number("wind.eddy_size", "Eddy size", "cm", (0.5, 200.0), &mut self.eddies.size_cm, BLOWS, "Size of the largest eddies"),
             integer("wind.seed", "Seed", "", (0, 9999), &mut self.eddies.seed, BLOWS, "Other gusts and eddies of the same kind"),
             integer("wind.resolution", "Grid", "cells", (16, 128), &mut self.resolution, GRID, "Cells along each side: 16, 24, 32, 48, 64, 96 or 128, the nearest is taken; twice as many take eight times as long"),

@@ -11,6 +11,7 @@ use lorelei_core::history::Merge;
 use lorelei_core::look::Choice;
 use lorelei_core::motion::{Motion, Movement, PoseTrack};
 use lorelei_core::record::Macro;
+use lorelei_core::simulation::Wind;
 
 use super::commands::Command;
 use super::document::Document;
@@ -173,11 +174,19 @@ impl Desk {
         }
     }
 
+    /// There are sources of wind, and none blows: the air is chosen to be still.
+    pub fn has_idle_sources(&self) -> bool {
+        let simulation = &self.document.groom.simulation;
+        simulation.wind == Wind::Off && !simulation.sources.is_empty()
+    }
+
     pub fn clamp_selection(&mut self) {
         let groom = &self.document.groom;
         self.selection = match self.selection {
             Selection::Layer(i) if i >= groom.layers.len() => {
-                groom.layers.len().checked_sub(1).map_or(Selection::Head, Selection::Layer)
+                // Where there is one that is seen, that: brushes and edits act on it.
+                let seen = groom.layers.iter().rposition(|layer| layer.visible);
+                seen.or(groom.layers.len().checked_sub(1)).map_or(Selection::Head, Selection::Layer)
             }
             Selection::Light(i) if i >= groom.lights.len() => {
                 groom.lights.len().checked_sub(1).map_or(Selection::Head, Selection::Light)

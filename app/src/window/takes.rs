@@ -86,9 +86,13 @@ impl Studio {
 
     /// Frames have come: the stage takes them over where they are of this groom.
     pub(super) fn take_frames(&mut self, ranged: Ranged, path: Option<&Path>) {
-        let n_frames: u32 = ranged.frames.runs().iter().map(|run| run.end() - run.start() + 1).sum();
-        let title = if ranged.is_whole { "The range is simulated" } else { "Part of the range is simulated" };
-        let mut text = format!("{n_frames} frames are kept: play and scrub cost nothing now");
+        // How many are kept is told by the strip and the panel, once the stage has them.
+        let (title, text) = if ranged.is_whole {
+            ("The range is simulated", "Play and scrub cost nothing now")
+        } else {
+            ("Part of the range is simulated", "The bright line at the strip's lower edge shows which frames are kept")
+        };
+        let mut text = text.to_owned();
         if let Some(path) = path {
             text = format!("{text}\n{}", path.display());
         }

@@ -29,15 +29,18 @@ enum Part {
 /// The handles of every source; true while one is dragged.
 pub fn sources(ui: &mut Ui, desk: &mut Desk, projection: Projection) -> bool {
     let mut is_dragging = false;
+    let are_idle = desk.has_idle_sources();
     for source_idx in 0..desk.document.groom.simulation.sources.len() {
-        let source = desk.document.groom.simulation.sources[source_idx].tamed();
+        let mut source = desk.document.groom.simulation.sources[source_idx].tamed();
+        source.on &= !are_idle;
         let is_selected = desk.selection == Selection::Wind(source_idx);
         draw(ui, projection, &source, is_selected);
         for (part, shape, place) in
             [(Part::Place, GripShape::Dot, source.place), (Part::Tip, GripShape::Ring, tip_of(&source))]
         {
             let id = ui.scope_id().with(("wind", source_idx, part == Part::Tip));
-            let label = Some(format!("{}  {:.0} cm/s", source.name, source.speed));
+            let speed = if are_idle { "still air".to_owned() } else { format!("{:.0} cm/s", source.speed) };
+            let label = Some(format!("{}  {speed}", source.name));
             let grip = Grip { place, id, shape, colour: GRIP, is_selected, is_on: source.on, label };
             let name = || format!("wind {source_idx} {part:?}");
             let Some(gripped) = grip.ui(ui, &desk.camera, projection, name) else { continue };

@@ -46,5 +46,5 @@ fn a_pin_is_added_by_the_panel_and_dragged_while_hair_moves() {
     studio.wait("saved", |state| state["unsaved"] == false);
     studio.quit();
     let saved = document::open(&file).unwrap().simulation.pins;
-    assert!(saved.len() == 1 && saved[0].name == "pin 1", "{saved:?}");
+    assert!(saved.len() == 1 && saved[0].name == "Pin 1", "{saved:?}");
 }

@@ -20,18 +20,33 @@ choices! {
     }
 }
 
+impl HairKind {
+    /// Bend length (cm), bend damping (s), damping across and along (1/s), drag (1/s), hold (Hz) and how far (cm), distance to
+    /// the head (cm), friction.
+    fn numbers(self) -> [f32; 9] {
+        match self {
+            Self::FineStraight => [2.5, 0.003, 1.5, 1.5, 1.5, 3.0, 3.0, 0.15, 0.2],
+            Self::ThickWavy => [4.5, 0.006, 2.2, 2.0, 0.9, 4.0, 3.5, 0.2, 0.25],
+            Self::TightCurls => [7.0, 0.01, 2.0, 2.0, 2.5, 3.5, 2.5, 0.2, 0.3],
+            Self::Wet => [1.5, 0.004, 2.5, 2.0, 0.2, 2.5, 2.0, 0.05, 0.7],
+            Self::Tied => [9.0, 0.01, 3.0, 2.5, 0.6, 8.0, 6.0, 0.15, 0.3],
+        }
+    }
+
+    /// The kind whose numbers settings have; `None` where they have numbers of their own.
+    pub fn of(settings: &SimulationSettings) -> Option<Self> {
+        let is_like = |kind: &Self| {
+            let mut like = settings.clone();
+            like.take(*kind);
+            like == *settings
+        };
+        Self::ALL.iter().copied().find(is_like)
+    }
+}
+
 impl SimulationSettings {
     /// Take the numbers of a kind of hair; solver, wind, colliders and steps stay.
     pub fn take(&mut self, kind: HairKind) {
-        // bend length (cm), bend damping (s), damping across and along (1/s), drag (1/s), hold (Hz) and how far (cm),
-        // distance to the head (cm), friction.
-        let numbers = match kind {
-            HairKind::FineStraight => [2.5, 0.003, 1.5, 1.5, 1.5, 3.0, 3.0, 0.15, 0.2],
-            HairKind::ThickWavy => [4.5, 0.006, 2.2, 2.0, 0.9, 4.0, 3.5, 0.2, 0.25],
-            HairKind::TightCurls => [7.0, 0.01, 2.0, 2.0, 2.5, 3.5, 2.5, 0.2, 0.3],
-            HairKind::Wet => [1.5, 0.004, 2.5, 2.0, 0.2, 2.5, 2.0, 0.05, 0.7],
-            HairKind::Tied => [9.0, 0.01, 3.0, 2.5, 0.6, 8.0, 6.0, 0.15, 0.3],
-        };
         [
             self.bend_length,
             self.bend_damping,
@@ -42,7 +57,7 @@ impl SimulationSettings {
             self.hold_length,
             self.collision_margin,
             self.friction,
-        ] = numbers;
+        ] = kind.numbers();
     }
 }
 
@@ -61,6 +76,11 @@ mod tests {
                 param.set_from_text(&text).unwrap();
             }
             assert!(!seen.contains(&settings), "{kind:?}");
+            settings.wind_speed += 100.0;
+            assert_eq!(HairKind::of(&settings), Some(kind));
+            settings.wind_speed -= 100.0;
+            let other = SimulationSettings { friction: 0.33, ..settings.clone() };
+            assert_eq!(HairKind::of(&other), None);
             seen.push(settings);
         }
         assert_eq!(seen[0], SimulationSettings::default(), "the first kind is the default");

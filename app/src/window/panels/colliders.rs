@@ -20,13 +20,13 @@ pub fn section(ui: &mut Ui, desk: &mut Desk) {
         let sphere = ui.button("+ Sphere").on_hover_text("A ball that hair keeps out of, beside the head");
         mark(ui.ctx(), || "add sphere".to_owned(), sphere.rect);
         if sphere.clicked() {
-            add(desk, "sphere");
+            add(desk, "Sphere");
         }
         let capsule =
             ui.button("+ Capsule").on_hover_text("Two balls and all between them: an arm, a band, a shoulder");
         mark(ui.ctx(), || "add capsule".to_owned(), capsule.rect);
         if capsule.clicked() {
-            add(desk, "capsule");
+            add(desk, "Capsule");
         }
     });
     for collider_idx in 0..desk.document.groom.simulation.colliders.len() {
@@ -77,9 +77,10 @@ fn add(desk: &mut Desk, kind: &str) {
     let n = colliders.len();
     let side = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
     let at = desk.centre() + Vec3::new(side * (half.x + 5.0), -10.0 * (n / 2) as f32, 0.4 * half.z);
-    let n_same = colliders.iter().filter(|collider| collider.name.starts_with(kind)).count();
+    let n_same =
+        colliders.iter().filter(|collider| collider.name.to_lowercase().starts_with(&kind.to_lowercase())).count();
     let name = format!("{kind} {}", n_same + 1);
-    let collider = if kind == "capsule" {
+    let collider = if kind == "Capsule" {
         Collider::capsule(&name, [at - 6.0 * Vec3::Y, at + 6.0 * Vec3::Y], [3.0; 2])
     } else {
         Collider::sphere(&name, at, 4.0)

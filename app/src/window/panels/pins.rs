@@ -65,7 +65,7 @@ fn add(desk: &mut Desk) {
     let (eye, direction) = (head_from_world.transform_point3(eye), head_from_world.transform_vector3(direction));
     let groom = &desk.document.groom;
     let mut pins = groom.simulation.pins.clone();
-    let name = format!("pin {}", pins.len() + 1);
+    let name = format!("Pin {}", pins.len() + 1);
     let centre = pin::place_seen(groom, eye, direction).unwrap_or(desk.centre());
     pins.push(Pin { name: name.clone(), centre, ..Pin::default() });
     desk.selection = Selection::Pin(pins.len() - 1);

@@ -38,19 +38,17 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     widgets::section(ui, "Hair and air");
     let mut settings = desk.document.groom.simulation.clone();
     let mut default = SimulationSettings::default();
-    let mut change = kinds(ui, &mut settings);
-    ui.horizontal_wrapped(|ui| {
-        for quality in Quality::ALL {
-            let info = quality.info();
-            let is_chosen = Quality::of(&settings) == Some(*quality);
-            let response = ui.selectable_label(is_chosen, info.label).on_hover_text(info.help);
-            mark(ui.ctx(), || format!("quality {}", info.name), response.rect);
-            if response.clicked() && !is_chosen {
-                quality.put(&mut settings);
-                change = Some(widgets::Change::once(format!("Quality: {}", info.label.to_lowercase())));
-            }
-        }
-    });
+    let mut change = None;
+    let help = "Starting points: how stiff, heavy and held hair is. What is chosen is what its numbers are of";
+    if let Some(kind) = one_of(ui, ("Kind of hair", "kind"), help, HairKind::of(&settings)) {
+        settings.take(kind);
+        change = Some(widgets::Change::once(format!("{} hair moves", kind.info().label)));
+    }
+    let help = "Steps, iterations and the cells of the wind's grid in one";
+    if let Some(quality) = one_of(ui, ("Quality", "quality"), help, Quality::of(&settings)) {
+        quality.put(&mut settings);
+        change = Some(widgets::Change::once(format!("Quality: {}", quality.info().label.to_lowercase())));
+    }
     for (mut slot, mut default) in settings.slots().into_iter().zip(default.slots()) {
         change = change.or(widgets::slot(ui, &mut slot, &mut default, &widgets::Notes::default()));
     }
@@ -62,21 +60,33 @@ pub fn ui(ui: &mut Ui, desk: &mut Desk) {
     super::pins::section(ui, desk);
 }
 
-/// Kinds of hair by how they move, as starting points.
-fn kinds(ui: &mut Ui, settings: &mut SimulationSettings) -> Option<widgets::Change> {
-    let mut change = None;
-    ui.horizontal_wrapped(|ui| {
-        for &kind in HairKind::ALL {
-            let info = kind.info();
-            let button = ui.small_button(info.label).on_hover_text(info.help);
-            mark(ui.ctx(), || format!("kind {}", info.name), button.rect);
-            if button.clicked() {
-                settings.take(kind);
-                change = Some(widgets::Change::once(format!("{} hair moves", info.label)));
-            }
-        }
+/// Sets of numbers, each a button below the row's name, with the one that is `chosen` now; returns another that was
+/// pressed. `mark` names the buttons to tests.
+fn one_of<T: Choice + Copy + PartialEq>(
+    ui: &mut Ui,
+    (name, mark_name): (&str, &str),
+    help: &str,
+    chosen: Option<T>,
+) -> Option<T> {
+    form_row(ui, name, help, false, |ui| {
+        let shown = chosen.map_or("Numbers of its own", |chosen| chosen.info().label);
+        ui.label(RichText::new(shown).color(theme::TEXT_WEAK));
     });
-    change
+    let mut pressed = None;
+    ui.indent(name, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            for &one in T::ALL {
+                let info = one.info();
+                let is_chosen = chosen == Some(one);
+                let button = ui.selectable_label(is_chosen, info.label).on_hover_text(info.help);
+                mark(ui.ctx(), || format!("{mark_name} {}", info.name), button.rect);
+                if button.clicked() && !is_chosen {
+                    pressed = Some(one);
+                }
+            }
+        });
+    });
+    pressed
 }
 
 /// Keyed poses that came from a file, and which of its nodes moves the head.

@@ -4,13 +4,16 @@ use egui::{Event, Order, Pos2, RawInput, Rect, Sense, Ui, pos2, vec2};
 
 use glam::Vec3;
 use lorelei_core::collider::Collider;
+use lorelei_core::look::Choice;
 use lorelei_core::maps::Maps;
 use lorelei_core::pin::Pin;
+use lorelei_core::simulation::{HairKind, Quality, SimulationSettings, Wind};
 use lorelei_core::style::{StyleKind, StyleOp};
 
 use super::{history, lights, lod, look, outliner, properties, simulation, statistics, style};
 use crate::window::desk::{Desk, Selection};
 use crate::window::document::Document;
+use crate::window::state_report::marked;
 
 const SIZE: egui::Vec2 = vec2(340.0, 3000.0);
 
@@ -115,4 +118,115 @@ fn the_statistics_say_what_is_not_known_yet() {
     let ctx = egui::Context::default();
     let mut desk = desk();
     draw(&ctx, None, 0.0, &mut |ui: &mut Ui| statistics::ui(ui, &mut desk));
+}
+
+/// What stands in a panel.
+fn words(desk: &mut Desk) -> Vec<String> {
+    fn collect(shape: &egui::Shape, words: &mut Vec<String>) {
+        match shape {
+            egui::Shape::Text(text) => words.push(text.galley.text().to_owned()),
+            egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| collect(shape, words)),
+            _ => {}
+        }
+    }
+    let ctx = egui::Context::default();
+    crate::window::theme::install(&ctx);
+    let mut words = Vec::new();
+    for _ in 0..2 {
+        let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
+        let mut output = ctx.run_ui(RawInput { screen_rect, ..RawInput::default() }, |ui| {
+            egui::CentralPanel::default().show(ui, |ui| simulation::ui(ui, desk));
+        });
+        output.textures_delta.clear();
+        words.clear();
+        output.shapes.iter().for_each(|clipped| collect(&clipped.shape, &mut words));
+    }
+    words
+}
+
+#[test]
+fn kind_and_quality_are_named_and_so_is_the_one_whose_numbers_hair_has() {
+    let mut desk = desk();
+    desk.document.groom.simulation = SimulationSettings::default();
+    let n = |words: &[String], word: &str| words.iter().filter(|one| *one == word).count();
+    for (kind, quality) in [(HairKind::FineStraight, Quality::Draft), (HairKind::Wet, Quality::High)] {
+        desk.document.groom.simulation.take(kind);
+        quality.put(&mut desk.document.groom.simulation);
+        let words = words(&mut desk);
+        assert!(n(&words, "Kind of hair") == 1 && n(&words, "Quality") == 1);
+        for &other in HairKind::ALL {
+            // Once on its button, and once beside the name where it is chosen.
+            assert_eq!(n(&words, other.info().label), 1 + usize::from(other == kind), "{other:?}");
+        }
+        assert_eq!(n(&words, quality.info().label), 2);
+        assert_eq!(n(&words, "Numbers of its own"), 0);
+    }
+    desk.document.groom.simulation.friction += 0.01;
+    assert_eq!(n(&words(&mut desk), "Numbers of its own"), 1);
+}
+
+#[test]
+fn sources_that_do_not_blow_because_air_is_still_are_said_to() {
+    let mut desk = desk();
+    let is_said = |desk: &mut Desk| words(desk).iter().any(|word| word.contains("no source blows"));
+    desk.document.groom.simulation.wind = Wind::Off;
+    assert!(!is_said(&mut desk), "there is none");
+    desk.document.groom.simulation.sources = vec![lorelei_core::wind::WindSource::default()];
+    assert!(is_said(&mut desk));
+    for wind in [Wind::Uniform, Wind::Grid] {
+        desk.document.groom.simulation.wind = wind;
+        assert!(!is_said(&mut desk), "{wind:?}");
+    }
+}
+
+#[test]
+fn what_is_added_to_a_movement_is_named_alike() {
+    let mut desk = desk();
+    let ctx = egui::Context::default();
+    crate::window::theme::install(&ctx);
+    for name in ["add sphere", "add capsule", "add pin", "add fan", "add vortex"] {
+        let mut frame = |events: Vec<Event>| {
+            let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, SIZE));
+            let mut output = ctx.run_ui(RawInput { events, screen_rect, ..RawInput::default() }, |ui| {
+                egui::CentralPanel::default().show(ui, |ui| simulation::ui(ui, &mut desk));
+            });
+            output.textures_delta.clear();
+        };
+        marked(&ctx, name);
+        frame(Vec::new());
+        frame(Vec::new());
+        let at = marked(&ctx, name).unwrap_or_else(|| panic!("{name}")).center();
+        let button = |pressed| Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        frame(vec![Event::PointerMoved(at)]);
+        frame(vec![button(true)]);
+        frame(vec![button(false)]);
+    }
+    let simulation = &desk.document.groom.simulation;
+    let mut names: Vec<&str> = simulation.colliders.iter().map(|collider| collider.name.as_str()).collect();
+    names.extend(simulation.pins.iter().map(|pin| pin.name.as_str()));
+    names.extend(simulation.sources.iter().map(|source| source.name.as_str()));
+    assert_eq!(names, ["Sphere 1", "Capsule 1", "Pin 1", "Fan 1", "Vortex 1"]);
+}
+
+#[test]
+fn a_layer_that_is_gone_leaves_the_selection_to_one_that_is_seen() {
+    let mut desk = desk();
+    let layer = desk.document.groom.layers[0].clone();
+    desk.document.groom.layers = vec![layer; 3];
+    desk.document.groom.layers[2].visible = false;
+    desk.selection = Selection::Layer(3);
+    desk.clamp_selection();
+    assert_eq!(desk.selection, Selection::Layer(1));
+    desk.selection = Selection::Layer(2);
+    desk.clamp_selection();
+    assert_eq!(desk.selection, Selection::Layer(2), "it is there");
+    desk.document.groom.layers.iter_mut().for_each(|layer| layer.visible = false);
+    desk.selection = Selection::Layer(3);
+    desk.clamp_selection();
+    assert_eq!(desk.selection, Selection::Layer(2));
 }

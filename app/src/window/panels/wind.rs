@@ -1,6 +1,6 @@
 //! Wind: what of it is drawn in the viewport, and the sources that blow, in a list.
 
-use egui::{Ui, vec2};
+use egui::{RichText, Ui, vec2};
 use glam::Vec3;
 use lorelei_core::edit::Edit;
 use lorelei_core::history::Merge;
@@ -11,7 +11,9 @@ use lorelei_core::wind::{Eddies, MAX_RADIUS, MAX_SOURCES, MAX_SPEED, SourceKind,
 use super::widgets::{self, Change, form_row};
 use crate::window::desk::{Desk, Selection, merge_of};
 use crate::window::state_report::mark;
+use crate::window::theme;
 
+const STILL_AIR: &str = "The air is still: no source blows. Choose `Steady wind` or `Grid` above";
 const ON_HELP: &str = "Whether it blows";
 
 /// The section of the movement panel.
@@ -28,6 +30,10 @@ pub fn section(ui: &mut Ui, desk: &mut Desk) {
             }
         }
     });
+    if desk.has_idle_sources() {
+        let words = ui.label(RichText::new(STILL_AIR).small().color(theme::TEXT_WEAK));
+        mark(ui.ctx(), || "sources are idle".to_owned(), words.rect);
+    }
     for source_idx in 0..desk.document.groom.simulation.sources.len() {
         ui.push_id(("source", source_idx), |ui| row(ui, desk, source_idx));
     }
@@ -97,7 +103,9 @@ fn add(desk: &mut Desk, kind: SourceKind) {
         desk.notices.error("No more sources", format!("{MAX_SOURCES} blow at a time"));
         return;
     }
-    let name = format!("{} {}", kind.info().label, settings.sources.len() + 1);
+    let label = kind.info().label;
+    let n_same = settings.sources.iter().filter(|source| source.name.starts_with(label)).count();
+    let name = format!("{label} {}", n_same + 1);
     let half = 0.5 * (desk.bounds.1 - desk.bounds.0);
     let source = match kind {
         SourceKind::Fan => WindSource::aimed_at(desk.centre(), half.length() + 2.0, &name),
@@ -172,7 +180,7 @@ fn form(ui: &mut Ui, source: &mut WindSource) -> Option<Change> {
     number(ui, "Gusts", "Share of the speed by which it swells and falls", &mut gusts.strength, (0.0, 2.0), "");
     number(ui, "Between gusts", "From one gust to about the next", &mut gusts.period_secs, (0.1, 60.0), "s");
     let eddies = &mut source.eddies;
-    number(ui, "Turbulence", "Speed of its eddies as a share of its own", &mut eddies.amount, (0.0, 2.0), "");
+    number(ui, "Eddies", "Their speed as a share of its own", &mut eddies.amount, (0.0, 2.0), "");
     number(ui, "Eddy size", "Size of the largest eddies", &mut eddies.size_cm, (0.5, 200.0), "cm");
     let mut seed = source.eddies.seed as f32;
     number(ui, "Seed", "Other gusts and eddies of the same kind", &mut seed, (0.0, 9999.0), "");
