@@ -142,6 +142,11 @@ impl Maker {
         self.job.is_some()
     }
 
+    /// It is there to be taken with [`Maker::make`].
+    pub fn has_made(&self) -> bool {
+        self.job.as_ref().is_some_and(Job::is_finished)
+    }
+
     /// How much of it is done, 0-1.
     pub fn share(&self) -> Option<f32> {
         let job = self.job.as_ref().filter(|_| !self.is_stale);
@@ -255,7 +260,7 @@ mod tests {
         let gear = Gear { gpu: &gpu, library: &library, field: None, waits: false };
         let settings = SimulationSettings { moved: Moved::Strands, ..SimulationSettings::default() };
         let mut maker = Maker::default();
-        let mut make = |maker: &mut Maker| maker.make(&gear, &layers, Moved::Strands, &settings).unwrap();
+        let make = |maker: &mut Maker| maker.make(&gear, &layers, Moved::Strands, &settings).unwrap();
         assert!(maker.share().is_none() && make(&mut maker).is_none());
         let is_cancelled = Arc::clone(&maker.job.as_ref().unwrap().is_cancelled);
         assert!(maker.share().is_some_and(|share| (0.0..1.0).contains(&share)));

@@ -603,6 +603,11 @@ impl Player {
         self.maker.share()
     }
 
+    /// What was being prepared is there to be taken.
+    pub fn has_made(&self) -> bool {
+        self.maker.has_made()
+    }
+
     /// Do not wait for what is being prepared: nothing moves until something else is to be moved. Returns what moved before.
     pub fn give_up_making(&mut self) -> Moved {
         self.maker.give_up();

@@ -21,8 +21,8 @@ use super::thread::{FrameRequest, Shared, StageGpu};
 use super::{Stage, StageError};
 use crate::movement::range::Ranged;
 
-/// On stage instead of a groom's own state while a preview is.
-const PREVIEW: State = (u64::MAX, 0);
+/// On stage while a preview of a document is, instead of one of its own states.
+const PREVIEW: u64 = u64::MAX;
 
 /// Longest time that one frame moves the hair on: after a stall it goes on from where it was.
 const LONGEST_FRAME_SECS: f32 = 0.1;
@@ -34,7 +34,7 @@ const ANNOUNCED_MS: f32 = 500.0;
 /// On the way to a frame that was asked for, pictures are to come as often as this, where simulating
 /// them is what takes long: a cancel acts between two of them.
 const CATCH_UP_MS: f32 = 1000.0;
-/// Until the next look whether it is done: nothing moves before.
+/// Until the next look how far what moves is prepared.
 const LOOK_FOR_SOLVER: Duration = Duration::from_millis(50);
 
 /// Between two looks at the shaders' files, where somebody edits them and nothing else is to be drawn.
@@ -223,6 +223,23 @@ impl Worker {
             }
             if let Some(request) = &mailbox.request {
                 let is_new = mailbox.n_requests != self.seen;
+                if !is_new
+                    && self.is_making
+                    && let Making::Ready(stage) = &mut self.stage
+                    && !stage.player().has_made()
+                {
+                    // Nothing moves before; the processors are for what is being prepared.
+                    let share = stage.player().made();
+                    if let Some(busy) =
+                        mailbox.report.busy.as_mut().filter(|busy| busy.task == Task::PrepareEveryStrand)
+                    {
+                        busy.share = share;
+                        (self.shared.wake_window)();
+                    }
+                    let waited = self.shared.posted.wait_timeout(mailbox, LOOK_FOR_SOLVER);
+                    mailbox = waited.unwrap_or_else(PoisonError::into_inner).0;
+                    continue;
+                }
                 if is_new || ((request.playback.is_playing || self.catching_up.is_some()) && self.on_stage.is_some()) {
                     self.seen = mailbox.n_requests;
                     return Event::Draw(Box::new(request.clone()), is_new);
@@ -277,7 +294,8 @@ impl Worker {
             request.state,
             request.groom.clone(),
             known,
-            self.on_stage.is_none(),
+            // Of another document nothing is seen before.
+            self.on_stage.is_none_or(|on_stage| on_stage.0 != request.state.0),
             move || {
                 on_progress.posted.notify_one();
                 (on_progress.wake_window)();
@@ -311,6 +329,7 @@ impl Worker {
             let state = binder.state;
             binder.cancel();
             self.refused = Some(state);
+            self.preview = None;
             // What waited behind it is looked at again.
             self.seen = 0;
             Cancelled::Strands(state)
@@ -318,12 +337,11 @@ impl Worker {
             let is_making = std::mem::take(&mut self.is_making);
             self.catching_up = None;
             let Some(stage) = self.stage() else { return };
-            match is_making {
-                true => Cancelled::EveryStrand(stage.player().give_up_making()),
-                false => {
-                    stage.player().stay();
-                    Cancelled::CatchUp
-                }
+            if is_making {
+                Cancelled::EveryStrand(stage.player().give_up_making())
+            } else {
+                stage.player().stay();
+                Cancelled::CatchUp
             }
         };
         self.shared.publish(|report| {
@@ -346,7 +364,7 @@ impl Worker {
             self.shared.publish(|report| report.busy = Some(Busy { task: Task::CompileShaders, share: None }));
         }
         // A preview is no groom that anybody asks for: the groom itself is still to come.
-        let state = if self.preview.is_some() { PREVIEW } else { binding.state };
+        let state = if self.preview.is_some() { (binding.state.0, PREVIEW) } else { binding.state };
         let known = self.bound.clone();
         self.put_on_stage(state, &binding.groom, binding.bound);
         if self.preview.is_some() {
@@ -468,7 +486,7 @@ impl Worker {
         stage.describe(&mut news);
         let timeline = Timeline { speed, ..news.timeline };
         let doing = self.doing(&timeline, now, frame_ms);
-        let (is_catching_up, is_making) = (self.catching_up.is_some(), self.is_making);
+        let is_catching_up = self.catching_up.is_some();
         if self.preview.is_none() {
             self.pacer.drew(detail, frame_ms, request.moving_budget_ms, request.groom.n_strands());
         }
@@ -538,9 +556,6 @@ impl Worker {
         }
         if is_lost {
             return self.replace_gpu();
-        }
-        if is_making {
-            std::thread::sleep(LOOK_FOR_SOLVER);
         }
         let mut request = request;
         if !detail.is_full()

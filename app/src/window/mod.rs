@@ -370,7 +370,14 @@ impl eframe::App for Studio {
         if self.is_lost {
             self.hand_over(&ctx);
         }
+        // It comes first, so that what is pressed while it waits for an answer is for it alone.
+        let is_asked = self.question.is_some();
+        self.questions(&ctx);
+        if is_asked {
+            questions::take_keys(&ctx);
+        }
         let is_typing = ctx.text_edit_focused()
+            || self.chooser.is_some()
             || self.desk.renaming.is_some()
             || self.palette.is_some()
             || self.desk.tools.takes_keys();
@@ -383,6 +390,7 @@ impl eframe::App for Studio {
             pressed.retain(|&command| command == commands::Command::Palette);
         }
         self.desk.asked.append(&mut pressed);
+        self.viewport.opening = self.jobs.opening();
         top_bar::ui(ui, self);
         status_bar::ui(ui, self);
         timeline::ui(ui, &mut self.desk);
@@ -398,7 +406,6 @@ impl eframe::App for Studio {
         });
         self.palettes(&ctx);
         self.choosers(&ctx);
-        self.questions(&ctx);
         self.desk.notices.ui(&ctx, self.viewport.rect);
         self.dropped_files(&ctx);
         if ctx.input(|input| input.viewport().close_requested()) && !self.may_close {

@@ -137,7 +137,7 @@ impl Studio {
 
     /// Open the default groom on a thread: its strands are made when it opens.
     pub(super) fn start_default(&mut self, ctx: &egui::Context) {
-        self.jobs.start(ctx, "Opening the default groom", |_| Done::Opened {
+        self.jobs.start_opening(ctx, "Opening the default groom", |_| Done::Opened {
             groom: Box::new(lorelei_assets::default_groom()),
             path: None,
             source: std::path::PathBuf::new(),
@@ -147,7 +147,7 @@ impl Studio {
     }
 
     pub(super) fn start_hairstyle(&mut self, ctx: &egui::Context, key: &'static str) {
-        self.jobs.start(ctx, format!("Opening {key}"), move |_| match lorelei_assets::hairstyle(key) {
+        self.jobs.start_opening(ctx, format!("Opening {key}"), move |_| match lorelei_assets::hairstyle(key) {
             Some(groom) => Done::Opened {
                 groom: Box::new(groom),
                 path: None,
@@ -162,7 +162,7 @@ impl Studio {
     pub(super) fn start_opening(&mut self, ctx: &egui::Context, path: &Path, head: Option<std::path::PathBuf>) {
         let path = path.to_owned();
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        self.jobs.start(ctx, format!("Opening {name}"), move |watch| jobs::open(&path, head.as_deref(), watch));
+        self.jobs.start_opening(ctx, format!("Opening {name}"), move |watch| jobs::open(&path, head.as_deref(), watch));
     }
 
     /// Show another document.

@@ -13,6 +13,21 @@ pub(super) enum Question {
     Recover,
 }
 
+/// Nobody else gets what was pressed or typed in this frame.
+pub(super) fn take_keys(ctx: &egui::Context) {
+    use egui::Event;
+    ctx.input_mut(|input| {
+        input.keys_down.clear();
+        input.events.retain(|event| {
+            let is_of_keys = matches!(
+                event,
+                Event::Key { .. } | Event::Text(_) | Event::Ime(_) | Event::Paste(_) | Event::Copy | Event::Cut
+            );
+            !is_of_keys
+        });
+    });
+}
+
 /// What goes on once unsaved changes were saved or given up.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Next {
@@ -41,28 +56,27 @@ impl Studio {
             ),
         };
         let mut pressed = None;
-        egui::Window::new(title)
-            .collapsible(false)
-            .resizable(false)
-            .anchor(egui::Align2::CENTER_CENTER, [0.0, -60.0])
-            .order(egui::Order::Foreground)
-            .show(ctx, |ui| {
-                ui.set_width(360.0);
-                ui.add(egui::Label::new(text).wrap());
-                ui.add_space(10.0);
-                ui.horizontal(|ui| {
-                    for (i, label) in buttons.into_iter().enumerate() {
-                        let fill = if i == 0 { theme::ACCENT_DIM } else { theme::CONTROL };
-                        let text = egui::RichText::new(label).color(theme::TEXT_STRONG);
-                        let button = egui::Button::new(text).fill(fill).min_size(egui::vec2(90.0, 28.0));
-                        let button = ui.add(button);
-                        state_report::mark(ctx, || format!("answer {i}"), button.rect);
-                        if button.clicked() {
-                            pressed = Some(i);
-                        }
+        // Nothing behind it takes the pointer or the focus.
+        let frame = egui::Frame::popup(&ctx.global_style()).inner_margin(14);
+        egui::Modal::new(egui::Id::unique("question")).frame(frame).show(ctx, |ui| {
+            ui.set_width(360.0);
+            ui.label(egui::RichText::new(title).strong().color(theme::TEXT_STRONG));
+            ui.add_space(6.0);
+            ui.add(egui::Label::new(text).wrap());
+            ui.add_space(10.0);
+            ui.horizontal(|ui| {
+                for (i, label) in buttons.into_iter().enumerate() {
+                    let fill = if i == 0 { theme::ACCENT_DIM } else { theme::CONTROL };
+                    let text = egui::RichText::new(label).color(theme::TEXT_STRONG);
+                    let button = egui::Button::new(text).fill(fill).min_size(egui::vec2(90.0, 28.0));
+                    let button = ui.add(button);
+                    state_report::mark(ctx, || format!("answer {i}"), button.rect);
+                    if button.clicked() {
+                        pressed = Some(i);
                     }
-                });
+                }
             });
+        });
         if ctx.input_mut(|input| input.consume_key(egui::Modifiers::NONE, egui::Key::Escape)) {
             pressed = Some(2);
         }
@@ -89,7 +103,7 @@ impl Studio {
     }
 
     pub(super) fn recover(&mut self, ctx: &egui::Context, left: Left) {
-        self.jobs.start(ctx, "Recovering", move |watch| match recovery::restore(&left, watch) {
+        self.jobs.start_opening(ctx, "Recovering", move |watch| match recovery::restore(&left, watch) {
             Ok(restored) => Done::Recovered { restored: Box::new(restored), replaces: left.files },
             Err(_) if watch.cancelled() => Done::Cancelled,
             Err(why) => Done::Failed { title: "The unsaved work could not be read".to_owned(), why },
@@ -102,5 +116,42 @@ impl Studio {
             Some(Question::Recover) => Some("recover"),
             None => None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use egui::{Context, Event, Key, Modifiers, PointerButton, RawInput, pos2};
+
+    use super::super::commands::{Command, pressed};
+    use super::super::tools::Tool;
+    use super::take_keys;
+
+    #[test]
+    fn what_is_pressed_while_a_question_waits_is_no_command_and_the_pointer_is_left() {
+        let press =
+            |key| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
+        let click = Event::PointerButton {
+            pos: pos2(1.0, 1.0),
+            button: PointerButton::Primary,
+            pressed: true,
+            modifiers: Modifiers::NONE,
+        };
+        let commands = |is_asked: bool| {
+            let ctx = Context::default();
+            let events = vec![press(Key::Space), Event::Text(" ".to_owned()), click.clone(), press(Key::Delete)];
+            let (mut commands, mut n_left) = (Vec::new(), 0);
+            let mut output = ctx.run_ui(RawInput { events, ..Default::default() }, |_| {
+                if is_asked {
+                    take_keys(&ctx);
+                }
+                commands.extend(std::iter::from_fn(|| pressed(&ctx, false, Tool::Select)));
+                n_left = ctx.input(|input| input.events.len() + input.keys_down.len());
+            });
+            output.textures_delta.clear();
+            (commands, n_left)
+        };
+        assert!(commands(false).0.contains(&Command::Play));
+        assert_eq!(commands(true), (Vec::new(), 1));
     }
 }

@@ -174,6 +174,8 @@ fn describe(studio: &Studio, ctx: &egui::Context, input: &egui::InputState, mark
     let place = |pin: &Pin| pin.centre.extend(pin.radius).to_array();
     state["pins"] = groom.simulation.pins.iter().map(place).collect::<Vec<_>>().into();
     // One more entry is more than the macro expands.
+    state["opening"] = studio.viewport.opening.clone().into();
+    state["shows_picture"] = studio.viewport.shows_picture(desk).into();
     state["room"] = super::room::report(desk);
     let place = |p: glam::Vec3| p.to_array();
     state["held"] = json!(report.held.map(|held| [place(held.at), place(held.hand)]));

@@ -34,6 +34,8 @@ pub struct Viewport {
     /// Something is dragged in the viewport.
     pub is_interacting: bool,
     pub grab: Option<Grab>,
+    /// What is being opened, in words.
+    pub opening: Option<String>,
     drag: HandleDrag,
 }
 
@@ -43,6 +45,11 @@ impl Viewport {
             let playback = &desk.playback;
             self.grab = Some(Grab { is_turning, before: playback.head_pose, was_playing: playback.is_playing });
         }
+    }
+
+    /// There is a picture, and not of the document that was open before: its hair is not this one's.
+    pub fn shows_picture(&self, desk: &Desk) -> bool {
+        self.texture.is_some() && desk.report.state.0 == desk.document.state().0
     }
 
     pub fn aspect(&self) -> f32 {
@@ -59,7 +66,7 @@ impl Viewport {
         }
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
-        if let Some(texture) = self.texture {
+        if let Some(texture) = self.texture.filter(|_| self.shows_picture(desk)) {
             let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter().image(texture, rect, uv, Color32::WHITE);
         }
@@ -112,6 +119,7 @@ impl Viewport {
             let what = if grab.is_turning { "Turning the head" } else { "Moving the head" };
             lines.push(format!("{what}: click or Enter keeps it, Esc takes it back"));
         }
+        lines.extend(self.opening.clone());
         if let Some(busy) = report.busy {
             lines.push(match busy.share {
                 Some(share) => format!("{}\u{2026} {:.0} %", busy.task.label(), 100.0 * share),
@@ -128,7 +136,7 @@ impl Viewport {
                 ui.painter().text(at + offset, Align2::LEFT_TOP, line, font.clone(), colour);
             }
         }
-        if self.texture.is_none() {
+        if !self.shows_picture(desk) {
             let text = report.busy.map_or("No picture yet", |busy| busy.task.label());
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);

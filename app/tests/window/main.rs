@@ -19,6 +19,7 @@ mod sculpting;
 mod studio;
 mod survival;
 mod timeline;
+mod waiting;
 
 use lorelei_core::document;
 use lorelei_core::look::Shadowing;

@@ -250,6 +250,13 @@ impl<'a> Studio<'a> {
         complete.lines().last().map_or(Value::Null, |line| serde_json::from_str(line).unwrap())
     }
 
+    /// Every state that was reported, in order.
+    pub fn states(&self) -> Vec<Value> {
+        let text = std::fs::read_to_string(&self.report).unwrap_or_default();
+        let complete = text.rfind('\n').map_or("", |end| &text[..end]);
+        complete.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+    }
+
     pub fn wait(&mut self, what: &str, is_there: impl Fn(&Value) -> bool) -> Value {
         let start = Instant::now();
         loop {

@@ -143,6 +143,8 @@ impl Done {
 /// A job that runs.
 pub struct Job {
     pub label: String,
+    /// Another document will take the place of this one.
+    is_opening: bool,
     progress: Arc<AtomicU32>,
     cancel: Arc<AtomicBool>,
     receiver: mpsc::Receiver<Done>,
@@ -155,6 +157,27 @@ pub struct Jobs {
 }
 
 impl Jobs {
+    /// As [`Jobs::start`], where another document comes of it: the viewport says so.
+    pub fn start_opening(
+        &mut self,
+        ctx: &egui::Context,
+        label: impl Into<String>,
+        work: impl FnOnce(Watch<'_>) -> Done + Send + 'static,
+    ) {
+        self.start(ctx, label, work);
+        if let Some(job) = self.running.last_mut() {
+            job.is_opening = true;
+        }
+    }
+
+    /// What is being opened, in words.
+    pub fn opening(&self) -> Option<String> {
+        let job = self.running.iter().find(|job| job.is_opening)?;
+        let share = f32::from_bits(job.progress.load(Ordering::Relaxed));
+        let done = if share > 0.0 { format!(" {:.0} %", 100.0 * share) } else { String::new() };
+        Some(format!("{}\u{2026}{done}", job.label))
+    }
+
     /// Run `work` on a thread.
     pub fn start(
         &mut self,
@@ -179,7 +202,7 @@ impl Jobs {
             let _ = sender.send(done);
             ctx.request_repaint();
         });
-        self.running.push(Job { label: label.into(), progress, cancel, receiver });
+        self.running.push(Job { label: label.into(), is_opening: false, progress, cancel, receiver });
     }
 
     /// What has come of jobs since the last call.
