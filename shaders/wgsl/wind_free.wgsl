@@ -83,9 +83,14 @@ fn stream(source_idx: u32, p: vec3<f32>) -> vec3<f32> {
     return speed / core * swirl * cross(direction, aside);
 }
 
-// The same with its eddies.
-fn rough_stream(source_idx: u32, p: vec3<f32>) -> vec3<f32> {
-    let v = stream(source_idx, p);
+// What a fan blows through its disc, so far from the axis.
+fn outlet(source_idx: u32, aside: f32) -> vec3<f32> {
+    let s = aside * aside / (free.sources[source_idx].radius * free.sources[source_idx].radius);
+    return free.sources[source_idx].speed * exp(-LN_2 * min(s * s, 80.0)) * free.sources[source_idx].direction;
+}
+
+// A stream at a place with the eddies of its source.
+fn roughened(source_idx: u32, v: vec3<f32>, p: vec3<f32>) -> vec3<f32> {
     let rough = free.sources[source_idx].rough;
     if rough <= 0.0 {
         return v;
@@ -100,7 +105,7 @@ fn free_air(p: vec3<f32>) -> vec3<f32> {
         v += free.rough * eddies(p * free.per_period + free.drift);
     }
     for (var source_idx = 0u; source_idx < free.n_sources; source_idx++) {
-        v += rough_stream(source_idx, p);
+        v += roughened(source_idx, stream(source_idx, p), p);
     }
     return v;
 }
@@ -119,11 +124,30 @@ fn body(source_idx: u32, p: vec3<f32>, cell: f32) -> vec4<f32> {
         if share <= 0.0 {
             return vec4<f32>(0.0);
         }
-        return vec4<f32>(rough_stream(source_idx, p + (0.0 - along) * direction), share);
+        return vec4<f32>(roughened(source_idx, outlet(source_idx, aside), p - along * direction), share);
     }
     let share = clamp(0.5 + (radius - max(aside, abs(along))) / cell, 0.0, 1.0);
     if share <= 0.0 {
         return vec4<f32>(0.0);
     }
-    return vec4<f32>(rough_stream(source_idx, p), share);
+    return vec4<f32>(roughened(source_idx, stream(source_idx, p), p), share);
+}
+
+// What a fan makes of the air that goes from a place to another in a step: a velocity, and in w how much of the air goes
+// through it (0-1).
+fn blown_through(source_idx: u32, before: vec3<f32>, now: vec3<f32>, cell: f32) -> vec4<f32> {
+    let place = free.sources[source_idx].place;
+    let direction = free.sources[source_idx].direction;
+    let far = dot(now - place, direction);
+    let behind = dot(place - before, direction);
+    if free.sources[source_idx].kind != FAN || far <= 0.0 || behind <= 0.0 {
+        return vec4<f32>(0.0);
+    }
+    let through = before + behind / (behind + far) * (now - before);
+    let aside = distance(through, place);
+    let share = clamp(0.5 + (free.sources[source_idx].radius - aside) / cell, 0.0, 1.0);
+    if share <= 0.0 {
+        return vec4<f32>(0.0);
+    }
+    return vec4<f32>(roughened(source_idx, outlet(source_idx, aside), through), share);
 }

@@ -3,7 +3,7 @@
 #import lorelei::sim_pose::{pose_apply, pose_apply_inverse}
 #import lorelei::sim_contact::{contact, capsules, field_sample, capsule_nearest}
 #import lorelei::wind_grid::{grid, entry, item_cell, step_of, unit, MAX_SPEED}
-#import lorelei::wind_free::{free, free_air, body}
+#import lorelei::wind_free::{free, free_air, body, blown_through}
 
 // Speeds through the lower faces, as the last frame left them.
 @group(0) @binding(auto) var<storage, read> faces: array<vec4<f32>>;
@@ -24,13 +24,10 @@ const CALM_CURL = 20.0;
 const FASTEST_HEAD = 1000.0;
 const LEAST_OPEN = 0.02;
 
-// Velocity in the last frame at a place.
+// Velocity in the last frame at a place; beyond the box that at its boundary.
 fn air_before(p: vec3<f32>) -> vec3<f32> {
     let g = (p - grid.min_before) / grid.cell;
     let last = f32(grid.n);
-    if !(all(g >= vec3<f32>(0.0)) && all(g <= vec3<f32>(last))) {
-        return free_air(p);
-    }
     let inside = clamp(g - 0.5, vec3<f32>(0.0), vec3<f32>(last - 1.0));
     let corner = min(vec3<u32>(inside), vec3<u32>(grid.n - 2u));
     let t = inside - vec3<f32>(corner);
@@ -70,10 +67,17 @@ fn face_before(p: vec3<f32>, axis: u32) -> f32 {
     return mix(y0, y1, t.z);
 }
 
-// Speed along an axis of the air that arrives at a place: back along the path by the midpoint rule.
+// Speed along an axis of the air that arrives at a place: back along the path by the midpoint rule. What has come through a
+// fan on its way has the fan's speed.
 fn carried(p: vec3<f32>, axis: u32) -> f32 {
     let halfway = p - 0.5 * grid.dt_secs * air_before(p);
-    return face_before(p - grid.dt_secs * air_before(halfway), axis);
+    let came_from = p - grid.dt_secs * air_before(halfway);
+    var v = face_before(came_from, axis);
+    for (var source_idx = 0u; source_idx < free.n_sources; source_idx++) {
+        let blown = blown_through(source_idx, came_from, p, grid.cell);
+        v += blown.w * (blown[axis] - v);
+    }
+    return v;
 }
 
 fn air_in(c: vec3<i32>) -> vec3<f32> {

@@ -6,13 +6,14 @@ use glam::{Vec3, Vec4Swizzles};
 use lorelei_core::distance_field::DistanceField;
 use lorelei_core::look::Switch;
 use lorelei_core::simulation::{SimulationSettings, Wind};
-use lorelei_core::wind::{AirSettings, WindSource};
+use lorelei_core::wind::{AirSettings, Eddies, WindSource};
 
 use super::scenes::{ball_field, draped};
 use super::{Bound, Row};
 use crate::CpuSolver;
 use crate::contact::Obstacles;
 use crate::pose::Pose;
+use crate::wind::ROOM;
 use crate::wind::cpu::{HairLayer, divergence_rms};
 use crate::wind::{CpuWind, WindFrame};
 
@@ -67,6 +68,41 @@ pub fn fan_from_outside(resolution: u32) -> (f32, f32) {
     pass(&mut wind, &settings, Some(&ball_field()), &[], 0..30);
     let fastest = wind.air().cells().map(|(_, v)| v.xyz().length()).fold(0.0, f32::max);
     (divergence_rms(wind.grid(), wind.faces()), fastest)
+}
+
+/// A fan that blows aslant through still air, by where it stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fan {
+    /// In the box.
+    Inside,
+    /// Nearer to the box than its air goes in a frame.
+    Outside,
+}
+
+/// Mean speed on the axis of a fan of 800 cm/s, 1, 2, 3 and 4 diameters of its outlet before it, as a share of the outlet's
+/// speed: 0.6 to 1 s after it began. A free jet keeps its speed for six diameters (Pope 2000, section 5.1).
+pub fn on_the_axis(fan: Fan, resolution: u32) -> [f32; 4] {
+    let (side, far) = match fan {
+        Fan::Inside => (80.0, 30.0),
+        Fan::Outside => (64.0, 45.0),
+    };
+    let direction = Vec3::new(-0.9, 0.0, -0.4).normalize();
+    let source = WindSource { place: -far * direction, direction, speed: 800.0, ..WindSource::default() };
+    let source = WindSource { eddies: Eddies { amount: 0.0, ..source.eddies }, ..source };
+    let diameter = 2.0 * source.radius;
+    let settings = SimulationSettings { sources: vec![source], ..windy(0.0, resolution) };
+    let corner = Vec3::splat(0.5 * side / ROOM);
+    let mut wind = CpuWind::new([-corner, corner].into_iter(), &settings, Pose::IDENTITY);
+    pass(&mut wind, &settings, None, &[], 0..36);
+    let mut shares = [0.0; 4];
+    for frame in 36..60 {
+        pass(&mut wind, &settings, None, &[], frame..frame + 1);
+        for (i, share) in shares.iter_mut().enumerate() {
+            let p = (diameter * (i + 1) as f32 - far) * direction;
+            *share += wind.air().air_velocity(p).dot(direction) / (24.0 * 800.0);
+        }
+    }
+    shares
 }
 
 /// Mean speeds along a wind of 300 cm/s to +X around the ball, after 1.5 s, cm/s.
@@ -184,6 +220,16 @@ pub fn of_air() -> Vec<Row> {
         rows.push(row(law, scene.clone(), divergence.into(), "cm/s", Bound::AtMost(2.0)));
         let law = "no air is faster than what drives it";
         rows.push(row(law, scene, fastest.into(), "cm/s", Bound::AtMost(1000.0)));
+    }
+    for (fan, stands) in [(Fan::Inside, "inside the box"), (Fan::Outside, "outside of the box")] {
+        let at = [32, 48].map(|resolution| on_the_axis(fan, resolution));
+        let scene = format!("a fan of 800 cm/s {stands}, one to four diameters before it");
+        let least = at.iter().flatten().copied().fold(f32::INFINITY, f32::min);
+        let law = "a fan's stream keeps its speed";
+        rows.push(row(law, scene.clone(), f64::from(100.0 * least), "% of it", Bound::AtLeast(90.0)));
+        let apart = at[0].iter().zip(at[1]).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let law = "and does so on any grid: 32 cells against 48";
+        rows.push(row(law, scene, f64::from(100.0 * apart), "% of it", Bound::AtMost(5.0)));
     }
     let around = around_the_head(Switch::On);
     let share = |speed: f32| f64::from(speed) / 3.0;

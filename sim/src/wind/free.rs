@@ -110,9 +110,8 @@ impl FreeAir {
         sum
     }
 
-    /// The same with its eddies.
-    fn rough_stream(&self, source: &FreeSource, p: Vec3) -> Vec3 {
-        let v = source.stream(p);
+    /// A stream at a place with the eddies of its source.
+    fn roughened(&self, source: &FreeSource, v: Vec3, p: Vec3) -> Vec3 {
         if source.rough <= 0.0 {
             return v;
         }
@@ -126,7 +125,7 @@ impl FreeAir {
             v += self.rough * self.eddies(p * self.per_period + self.drift);
         }
         for source in self.blowing() {
-            v += self.rough_stream(source, p);
+            v += self.roughened(source, source.stream(p), p);
         }
         v
     }
@@ -143,13 +142,31 @@ impl FreeAir {
             if share <= 0.0 {
                 return Vec4::ZERO;
             }
-            return self.rough_stream(source, p + (0.0 - along) * source.direction).extend(share);
+            let on_disc = p - along * source.direction;
+            return self.roughened(source, source.outlet(aside), on_disc).extend(share);
         }
         let share = (0.5 + (source.radius - aside.max(along.abs())) / cell).clamp(0.0, 1.0);
         if share <= 0.0 {
             return Vec4::ZERO;
         }
-        self.rough_stream(source, p).extend(share)
+        self.roughened(source, source.stream(p), p).extend(share)
+    }
+
+    /// What a fan makes of the air that goes from a place to another in a step: a velocity, and in w how much of the air goes
+    /// through it (0-1).
+    pub(super) fn blown_through(&self, source: &FreeSource, before: Vec3, now: Vec3, cell: f32) -> Vec4 {
+        let far = (now - source.place).dot(source.direction);
+        let behind = (source.place - before).dot(source.direction);
+        if source.kind != FAN || far <= 0.0 || behind <= 0.0 {
+            return Vec4::ZERO;
+        }
+        let through = before + behind / (behind + far) * (now - before);
+        let aside = through.distance(source.place);
+        let share = (0.5 + (source.radius - aside) / cell).clamp(0.0, 1.0);
+        if share <= 0.0 {
+            return Vec4::ZERO;
+        }
+        self.roughened(source, source.outlet(aside), through).extend(share)
     }
 
     pub(super) fn blowing(&self) -> &[FreeSource] {
@@ -180,6 +197,13 @@ impl FreeSource {
         let flat = along / self.radius;
         let swirl = (0.5 * (1.0 - s.min(80.0)) - (flat * flat).min(80.0)).exp();
         self.speed / core * swirl * self.direction.cross(aside)
+    }
+
+    /// What a fan blows through its disc, so far from the axis. Not by [`Self::stream`], which is nothing behind the disc:
+    /// rounding puts half of the places on it there.
+    fn outlet(&self, aside: f32) -> Vec3 {
+        let s = aside * aside / (self.radius * self.radius);
+        self.speed * (-LN_2 * (s * s).min(80.0)).exp() * self.direction
     }
 
     fn new(source: &WindSource, t_secs: f64) -> Self {

@@ -12,7 +12,7 @@ pub(super) const MAX_SPEED: f32 = 10_000.0;
 /// Shortest and longest step of the air: a long frame's air stands still for the rest of it.
 const LONGEST_STEP_SECS: f32 = 1.0 / 15.0;
 /// Side of the box over the longest side of what is in it: room for the air to go around.
-const ROOM: f32 = 1.6;
+pub(crate) const ROOM: f32 = 1.6;
 /// Sides of the box, centimetres: of a head at least.
 const SMALLEST_BOX: f32 = 20.0;
 const LARGEST_BOX: f32 = 400.0;

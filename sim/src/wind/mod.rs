@@ -35,4 +35,5 @@ pub use air::AirGrid;
 pub use cpu::CpuWind;
 pub use free::FreeAir;
 pub use gpu::GpuWind;
+pub(crate) use grid::ROOM;
 pub use grid::WindFrame;
