@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use lorelei_core::binding::MOST_STRANDS;
 use lorelei_core::camera::Camera;
 use lorelei_core::groom::{Groom, Layer, Source};
 use lorelei_core::io::Watch;
@@ -11,6 +12,8 @@ use lorelei_core::look::Look;
 use lorelei_core::look::presets::{LookPreset, look_preset, look_presets};
 
 use lorelei_core::panorama::read::read_panorama;
+use lorelei_core::simulation::Wind;
+use lorelei_core::wind::RESOLUTIONS;
 
 use super::read_as::ReadAs;
 use super::render::{View, camera_of, parse_view};
@@ -46,7 +49,7 @@ pub struct SceneArguments {
     #[arg(long, value_name = "LEVEL", value_parser = parse_lod)]
     lod: Option<LodChoice>,
     /// Strands in all, shared out over the layers as they are now.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_STRANDS)))]
     strands: Option<u32>,
     /// A whole look, before --set: a file as `Save look` writes it, or one of the studio's: neutral, fast, reference, rim,
     /// clay, "single scattering".
@@ -91,6 +94,11 @@ impl SceneArguments {
         }
         let camera = setup.camera.unwrap_or_else(|| camera_of(&groom, self.camera, size));
         warnings.extend(groom.lacks_panorama());
+        let (asked, taken) = (groom.simulation.air.resolution, groom.simulation.air.n_cells());
+        if asked != taken && groom.simulation.wind == Wind::Grid {
+            let sizes = RESOLUTIONS.map(|n| n.to_string()).join(", ");
+            warnings.push(format!("wind.resolution={asked}: the grid has {taken} cells a side; it can have {sizes}"));
+        }
         Ok(Scene { groom, camera, warnings })
     }
 

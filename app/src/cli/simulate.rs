@@ -22,7 +22,7 @@ use super::render::{parse_motion, parse_seconds, parse_size};
 use super::scene::{Scene, SceneArguments};
 use super::wind_source::{self, SourceArgument};
 use super::{CliError, check_png, make_folder_of, pin, print_line};
-use crate::movement::file::{Contents, EXTENSION, Writer};
+use crate::movement::file::{self, Contents, EXTENSION, Replaced, Writer};
 use crate::movement::filmstrip::{filmstrip, frames_of};
 use crate::movement::range::header_of;
 use crate::movement::solver::On;
@@ -157,7 +157,7 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     if let Some(path) = &arguments.filmstrip {
         check_png("--filmstrip", path)?;
     }
-    let Scene { mut groom, camera, warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
+    let Scene { mut groom, camera, mut warnings } = arguments.scene.read(arguments.size, &arguments.wind_sources)?;
     groom.simulation.pins.extend_from_slice(&arguments.pins);
     arguments.set_movement(&mut groom)?;
     if !arguments.json {
@@ -186,6 +186,15 @@ pub fn run(arguments: &SimulateArguments) -> Result<(), CliError> {
     let mut shots: Vec<(u32, Shot)> = Vec::new();
     let file = arguments.out.as_deref().filter(|out| is_frames(out));
     let header = header_of(&subject, &course, &groom.movement, &adapter);
+    if let Some(path) = file
+        && file::replaced(path, &header).map_err(CliError::failed)? == Replaced::Other
+    {
+        let words = format!("{} held frames of another movement: they are replaced", path.display());
+        if !arguments.json {
+            eprintln!("warning: {words}");
+        }
+        warnings.push(words);
+    }
     let opened = file.map(|path| Writer::open(path, &header)).transpose().map_err(CliError::failed)?;
     let (mut writer, left) = opened.map_or((None, None), |(writer, left)| (Some(writer), left));
     let mut gone_on_from = None;

@@ -23,6 +23,8 @@ const MAGIC: [u8; 8] = *b"LRLEFRMS";
 const VERSION: u32 = 1;
 /// Frames between two states of the solver.
 const FRAMES_PER_STATE: u32 = 120;
+/// More than the header of any groom.
+const LONGEST_HEADER: u64 = 1 << 20;
 /// A record that is longer than this is none.
 const LONGEST_RECORD: u64 = 1 << 32;
 
@@ -54,6 +56,8 @@ pub enum FileError {
         "{path} was written by a newer Lorelei (version {version} of the format): open it with that, or simulate again"
     )]
     TooNew { path: PathBuf, version: u32 },
+    #[error("{path} is no file of frames and would be lost: choose another name, or remove it first")]
+    WouldBeLost { path: PathBuf },
     #[error("{path} is damaged at byte {at}: simulate again")]
     Damaged { path: PathBuf, at: u64 },
 }
@@ -84,13 +88,53 @@ pub struct Writer {
     n_since_state: u32,
 }
 
+/// What a file of a name will take the place of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Replaced {
+    Nothing,
+    /// Frames of this movement.
+    Same,
+    /// Frames of another movement, whole or not.
+    Other,
+}
+
+/// What [`Writer::open`] of the same path and header will take the place of. Fails where that is no file of frames, which
+/// nobody means to lose.
+pub fn replaced(path: &Path, header: &Header) -> Result<Replaced, FileError> {
+    let of = |path: &Path| match File::open(path) {
+        Ok(file) => {
+            let mut first = Vec::new();
+            file.take(LONGEST_HEADER)
+                .read_to_end(&mut first)
+                .map_err(|why| FileError::Io { path: path.to_owned(), why })?;
+            // An interrupted run may have left less than a header.
+            let is_same = read_header(&mut first.as_slice(), path).map(|known| known == *header);
+            is_same.map(|is_same| if is_same { Replaced::Same } else { Replaced::Other })
+        }
+        Err(why) if why.kind() == std::io::ErrorKind::NotFound => Ok(Replaced::Nothing),
+        Err(why) => Err(FileError::Io { path: path.to_owned(), why }),
+    };
+    let whole = match of(path) {
+        Err(FileError::WrongKind { path }) => return Err(FileError::WouldBeLost { path }),
+        Err(FileError::TooNew { .. } | FileError::Damaged { .. }) => Replaced::Other,
+        other => other?,
+    };
+    let part = of(&part_of(path)).unwrap_or(Replaced::Nothing);
+    Ok(if whole == Replaced::Other || part == Replaced::Other { Replaced::Other } else { whole })
+}
+
+/// What a file is called until it is whole.
+fn part_of(path: &Path) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    path.with_file_name(name)
+}
+
 impl Writer {
     /// Begin a file, or go on with what an interrupted run has left of the same movement; returns the frames and the state
     /// to go on from.
     pub fn open(path: &Path, header: &Header) -> Result<(Self, Option<Contents>), FileError> {
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(".part");
-        let part = path.with_file_name(name);
+        let part = part_of(path);
         let io = |why| FileError::Io { path: part.clone(), why };
         // Another device's frames are not gone on with: the same frame would not follow.
         let left = read_records(&part).ok().filter(|left| left.header == *header && left.state.is_some());

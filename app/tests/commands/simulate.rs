@@ -99,6 +99,7 @@ fn numbers_and_names_that_cannot_be_are_refused_by_their_own_option() {
     for (arguments, told) in [
         (["--seconds", "-1"], "a number of seconds from 0 to 600"),
         (["--fps", "-5"], "frames a second from 1 to 480"),
+        (["--strands", "0"], "0 is not in 1..=4000000"),
         (["--filmstrip", "a.txt"], "--filmstrip a.txt: let the name end in .png"),
     ] {
         let done = lorelei(folder.path(), &[&["simulate", "bob"], &arguments[..]].concat());
@@ -129,4 +130,33 @@ fn a_pin_holds_hair_whether_it_is_an_argument_or_an_edit() {
 
     let wrong = lorelei(folder, &["simulate", "a.lorelei", "--pin", "1,2"]);
     assert!(wrong.status.code() == Some(2) && text(&wrong.stderr).contains("z is missing"), "{}", text(&wrong.stderr));
+}
+
+#[test]
+fn what_is_taken_otherwise_than_it_was_asked_for_or_takes_the_place_of_something_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    document::save(&curtain(), &folder.join("a.lorelei")).unwrap();
+    let warnings = |arguments: &[&str]| {
+        let json = simulated(folder, &[&["--seconds", "0.1"], arguments].concat());
+        json["warnings"].as_array().unwrap().iter().map(|words| words.as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let none = Vec::<String>::new();
+    assert_eq!(warnings(&["--set", "wind=grid", "--set", "wind.resolution=16"]), none);
+    let nearest = warnings(&["--set", "wind=grid", "--set", "wind.resolution=20"]);
+    assert!(nearest.len() == 1 && nearest[0].contains("16 cells a side; it can have 16, 24, 32"), "{nearest:?}");
+    // Frames: the same movement's may be made again; another one's are replaced with a word.
+    assert_eq!(warnings(&["--out", "a.frames"]), none);
+    assert_eq!(warnings(&["--out", "a.frames"]), none);
+    let other = warnings(&["--out", "a.frames", "--set", "sim.gravity=500"]);
+    assert!(other.len() == 1 && other[0].contains("a.frames held frames of another movement"), "{other:?}");
+    // What an interrupted run has left is work too.
+    std::fs::rename(folder.join("a.frames"), folder.join("a.frames.part")).unwrap();
+    assert_eq!(warnings(&["--out", "a.frames"]).len(), 1);
+    // And what is no file of frames is not written over at all.
+    std::fs::write(folder.join("notes.frames"), "something else").unwrap();
+    let refused =
+        lorelei(folder, &["simulate", "a.lorelei", "--on", "cpu", "--seconds", "0.1", "--out", "notes.frames"]);
+    assert!(!refused.status.success() && text(&refused.stderr).contains("choose another name"), "{refused:?}");
+    assert_eq!(std::fs::read(folder.join("notes.frames")).unwrap(), b"something else");
 }

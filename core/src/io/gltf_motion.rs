@@ -79,7 +79,7 @@ fn motions_from(source: &mut Source<'_>) -> Result<Vec<PoseTrack>, ReadError> {
         let mut moved: Vec<Moved> = nodes.iter().map(|_| Moved::default()).collect();
         for channel in animation.channels() {
             let target = channel.target();
-            let part = format!("animation {}, channel {}", animation.index(), channel.index());
+            let part = name_of(&animation, &channel);
             let Some(moved) = moved.get_mut(target.node().index()) else { continue };
             match target.property() {
                 Property::Translation => moved.translation = Some(curve(source, &buffers, &channel, 3, &part)?),
@@ -188,6 +188,24 @@ impl Curve {
     }
 }
 
+const NEXT: &str = "Export the animation again, sampled at every frame, or delete this channel where it was made; other channels may be whole";
+
+/// Names a channel by where it is in the file and by what it moves.
+fn name_of(animation: &gltf::Animation<'_>, channel: &gltf::animation::Channel<'_>) -> String {
+    let target = channel.target();
+    let node = target.node();
+    let what = match target.property() {
+        Property::Translation => "translation",
+        Property::Rotation => "rotation",
+        Property::Scale => "scale",
+        Property::MorphTargetWeights => "weights",
+    };
+    let quoted = |name: Option<&str>| name.map_or_else(String::new, |name| format!(" \"{name}\""));
+    let (of_animation, of_node) = (quoted(animation.name()), quoted(node.name()));
+    let (animation, channel) = (animation.index(), channel.index());
+    format!("animation {animation}{of_animation}, channel {channel} ({what} of node {}{of_node})", node.index())
+}
+
 fn curve(
     source: &mut Source<'_>,
     buffers: &Buffers<'_>,
@@ -200,10 +218,16 @@ fn curve(
     let values = numbers(source, buffers, &sampler.output(), n_components, part)?;
     let interpolation = sampler.interpolation();
     let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
-    let ascends = times.iter().all(|t| t.is_finite()) && times.windows(2).all(|pair| pair[0] <= pair[1]);
-    if times.is_empty() || !ascends || values.len() != per_key * times.len() {
-        let problem = format!("has {} times, in order or not, for {} values,", times.len(), values.len());
-        return Err(source.corrupt(Place::Part(part.to_owned()), problem, "Export the animation again"));
+    let bad = |problem: String| source.corrupt(Place::Part(part.to_owned()), problem, NEXT);
+    if let Some(key_idx) = times.iter().position(|t| !t.is_finite()) {
+        return Err(bad(format!("the time of key {key_idx} is {}, no number of seconds,", times[key_idx])));
+    }
+    if let Some(key_idx) = times.windows(2).position(|pair| pair[0] > pair[1]) {
+        let (before, after) = (times[key_idx], times[key_idx + 1]);
+        return Err(bad(format!("key {} is at {after} s, before the key at {before} s that it follows,", key_idx + 1)));
+    }
+    if times.is_empty() || values.len() != per_key * times.len() {
+        return Err(bad(format!("there are {} times for {} values,", times.len(), values.len())));
     }
     Ok(Curve { times, values, interpolation, is_rotation: n_components == 4 })
 }
@@ -324,6 +348,28 @@ mod tests {
         let track = head(&file("CUBICSPLINE", &flat(PLACES), &still));
         assert!((track.at(0.5).1.x - 10.0).abs() < 0.02 && (track.at(0.25).1.x - 20.0 * 0.15625).abs() < 0.05);
         assert!(track.at(1.0).1.distance(Vec3::X * 20.0) < 0.02);
+    }
+
+    #[test]
+    fn a_key_without_a_time_is_told_with_its_channel_and_what_to_do() {
+        let good = file("LINEAR", &PLACES, &turns());
+        // The times are what the binary chunk begins with.
+        let at = good.windows(4).position(|four| four == b"BIN\0").unwrap() + 4;
+        let why = |key_idx: usize, secs: f32| {
+            let mut bytes = good.clone();
+            bytes[at + 4 * key_idx..][..4].copy_from_slice(&secs.to_le_bytes());
+            read_motions_from_bytes("a.glb", &bytes).unwrap_err().to_string()
+        };
+        for (why, said) in [
+            (why(1, f32::NAN), "key 1 is NaN"),
+            (why(2, f32::INFINITY), "key 2 is inf"),
+            (why(2, 0.5), "key 2 is at 0.5 s, before the key at 1 s"),
+        ] {
+            for words in [said, "animation 0, channel 0 (translation of node 1 \"Head\")", "Export the animation again"]
+            {
+                assert!(why.contains(words), "{why}");
+            }
+        }
     }
 
     #[test]
