@@ -6,6 +6,7 @@
 mod binder;
 mod display;
 pub mod hold;
+mod inputs;
 mod maker;
 pub mod pacer;
 pub mod player;

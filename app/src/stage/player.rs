@@ -4,25 +4,25 @@
 //! ([`Frames`]); going back to one shows it again, bit for bit. The solver stands at the newest frame. What a person changes
 //! while it plays moves on from where the hair is: such frames are shown and not kept, until the movement begins again.
 
+mod told;
+
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec4, Vec4Swizzles};
 use lorelei_core::motion::{AtEnd, HeadPose, Movement};
-use lorelei_core::moved::{g_per_cm, moved_vertices, n_moved};
-use lorelei_core::simulation::{Moved, SimulationSettings, Wind};
-use lorelei_render::MovedLayer;
+use lorelei_core::moved::{g_per_cm, n_moved};
+use lorelei_core::simulation::{Moved, SimulationSettings};
 use lorelei_shaders::{Gpu, GpuError, ShaderError};
 use lorelei_sim::GpuSolver;
 use lorelei_sim::gpu::TooMuchHair;
-use lorelei_sim::wind::{AirGrid, FreeAir};
 
-use super::hold::{Held, Hold, Sight};
+use super::hold::{Hold, Sight};
+use super::inputs::{Inputs, Left};
 use super::maker::{Gear, LayerHair, Maker, moved_on};
 use super::{Playback, StageError};
 use crate::movement::frames::Frames;
-use crate::movement::key::key_of;
 use crate::movement::run::pieces;
-use crate::movement::{Course, Shot, Subject};
+use crate::movement::{Course, Shot};
 
 /// Frames that one call simulates at most on its way to a frame that was asked for: a picture in between keeps the window
 /// answering.
@@ -65,16 +65,16 @@ struct Recorded {
 
 /// The timeline's present.
 pub struct Player {
-    score: Score,
     /// What the frames are made from.
-    layers: Vec<LayerHair>,
-    /// What is moved of it.
-    moved: Moved,
+    inputs: Inputs,
     /// What was, before every strand.
     moved_before: Moved,
     maker: Maker,
     moving: Option<Moving>,
     frames: Frames,
+    /// And those of states that were left.
+    left_frames: Left,
+    /// Bytes that all of them may take.
     budget: usize,
     /// The frame that is shown.
     at: u32,
@@ -90,7 +90,6 @@ pub struct Player {
     /// A kept frame, where that is shown.
     shot: Option<ShotBuffers>,
     recorded: Vec<Recorded>,
-    dragged: HeadPose,
     hold: Hold,
     /// Frames are made because time passes, and not to reach one that was asked for.
     plays: bool,
@@ -105,13 +104,18 @@ impl Player {
         let score =
             Score { course: Course::still(Vec3::ZERO, SimulationSettings::default()), movement: Movement::default() };
         Self {
-            score,
-            layers: Vec::new(),
-            moved: Moved::Guides,
+            inputs: Inputs {
+                score,
+                layers: Vec::new(),
+                moved: Moved::Guides,
+                field: None,
+                dragged: HeadPose::default(),
+            },
             moved_before: Moved::Guides,
             maker: Maker::default(),
             moving: None,
             frames: Frames::default(),
+            left_frames: Left::default(),
             budget: 0,
             at: 0,
             left: 0.0,
@@ -121,7 +125,6 @@ impl Player {
             has_ended: false,
             shot: None,
             recorded: Vec::new(),
-            dragged: HeadPose::default(),
             hold: Hold::default(),
             plays: false,
             world_from_head: Affine3A::IDENTITY,
@@ -134,6 +137,7 @@ impl Player {
     /// Keep frames up to so many bytes; 0: none.
     pub fn set_budget(&mut self, n_bytes: usize) {
         self.budget = n_bytes;
+        self.make_room();
     }
 
     /// Take over what changed in the groom. What moves goes on where its guides are as many as before. Returns why something
@@ -144,47 +148,39 @@ impl Player {
         layers: Vec<LayerHair>,
         score: Score,
     ) -> Result<Option<TooMuchHair>, StageError> {
-        let has_same_frames = score.course == self.score.course && score.movement.moves_like(&self.score.movement);
-        let is_restarted = !score.movement.moves_like(&self.score.movement);
-        self.score = score;
-        let (moved, too_much) = moved_on(gear.gpu, self.score.course.settings.moved, &layers);
-        let moved_before = std::mem::replace(&mut self.moved, moved);
-        let is_same_moved = moved_before == moved;
-        if !is_same_moved {
-            self.moved_before = moved_before;
+        let (moved, too_much) = moved_on(gear.gpu, score.course.settings.moved, &layers);
+        let inputs = Inputs { score, layers, moved, field: gear.field.cloned(), dragged: self.inputs.dragged };
+        let before = std::mem::replace(&mut self.inputs, inputs);
+        if before.moved != moved {
+            self.moved_before = before.moved;
         }
-        let before = std::mem::replace(&mut self.layers, layers);
-        let all_alike = |is_alike: &dyn Fn(&LayerHair, &LayerHair) -> bool| {
-            before.len() == self.layers.len() && before.iter().zip(&self.layers).all(|(a, b)| is_alike(a, b))
-        };
-        let has_same_curves = is_same_moved && all_alike(&|a, b| moves_alike(moved, a, b));
-        let has_same_ties = all_alike(&|(_, a), (_, b)| Arc::ptr_eq(a, b) || a.guide_ties() == b.guide_ties());
-        let mass_of = |(layer, binding): &LayerHair| g_per_cm(layer, binding);
-        let has_same_masses = all_alike(&|a, b| mass_of(a) == mass_of(b));
+        let has_same_curves = self.inputs.has_curves_of(&before);
+        let has_same_ties = self.inputs.has_ties_of(&before);
+        let has_same_masses = self.inputs.has_masses_of(&before);
         if has_same_curves && !has_same_masses {
-            self.maker.set_masses(&self.layers);
+            self.maker.set_masses(&self.inputs.layers);
             if let Some(moving) = &mut self.moving {
-                for (layer_idx, layer) in self.layers.iter().enumerate() {
-                    moving.solver.set_g_per_cm(layer_idx, mass_of(layer));
+                for (layer_idx, layer) in self.inputs.layers.iter().enumerate() {
+                    moving.solver.set_g_per_cm(layer_idx, g_per_cm(&layer.0, &layer.1));
                 }
             }
         }
-        let has_same_air = has_same_masses || self.score.course.settings.wind != Wind::Grid;
-        if has_same_curves && has_same_ties && has_same_air && has_same_frames {
+        if self.inputs.has_frames_of(&before) {
             return Ok(too_much);
         }
-        self.forget_frames();
+        let is_restarted = !self.inputs.score.movement.moves_like(&before.score.movement);
+        self.leave(before);
         if !has_same_curves {
             self.hold.drop_hair();
         }
         if is_restarted {
             // Another motion, another time: begin again rather than go on in the middle of it.
             self.stop();
-            self.wanted = Some(self.at).filter(|at| *at > self.score.movement.start);
+            self.wanted = Some(self.at).filter(|at| *at > self.inputs.score.movement.start);
         } else if self.moving.as_ref().is_some_and(|moving| moving.front != self.at) {
             self.stop();
         }
-        if !has_same_curves || (!has_same_ties && self.moved == Moved::Strands) {
+        if !has_same_curves || (!has_same_ties && self.inputs.moved == Moved::Strands) {
             self.maker.forget();
             if let Some(before) = self.moving.take() {
                 let state = before.solver.read_state()?;
@@ -196,7 +192,7 @@ impl Player {
                 self.wanted = self.maker.is_making().then_some(self.at);
             }
         } else if !has_same_ties {
-            self.maker.set_ties(&self.layers);
+            self.maker.set_ties(&self.inputs.layers);
             if let Some(moving) = &mut self.moving {
                 for (layer_idx, hair) in self.maker.hair().iter().enumerate() {
                     moving.solver.set_ties(layer_idx, &hair.ties);
@@ -204,6 +200,11 @@ impl Player {
             }
         }
         self.is_by_hand = self.moving.is_some();
+        let is_shown = self.is_by_hand || self.shot.is_some();
+        if is_shown && self.frames.get(self.at).is_some() {
+            // Undo came back to frames that are kept: this one too is as it was.
+            self.wanted = Some(self.at);
+        }
         Ok(too_much)
     }
 
@@ -217,6 +218,7 @@ impl Player {
     /// Frames that were simulated elsewhere, with the same inputs.
     pub fn set_frames(&mut self, frames: Frames) {
         self.frames = frames;
+        self.make_room();
         // A solver that stands at a frame of the same run goes on being of use.
         if self.is_by_hand {
             self.stop();
@@ -224,19 +226,18 @@ impl Player {
         self.is_by_hand = false;
     }
 
-    /// What of the hair is moved.
-    pub fn moved(&self) -> Moved {
-        self.moved
-    }
-
-    /// What the frames are made from.
-    pub fn key(&self, subject: &Subject) -> u128 {
-        key_of(subject, &self.score.course, &self.score.movement)
-    }
-
-    fn forget_frames(&mut self) {
-        self.frames = Frames::new(self.score.movement.start);
+    /// Other inputs than `before` have other frames: those that they had when they were left, if any.
+    fn leave(&mut self, before: Inputs) {
         self.recorded.clear();
+        let frames = self.left_frames.take(&self.inputs);
+        let frames = frames.unwrap_or_else(|| Frames::new(self.inputs.score.movement.start));
+        self.left_frames.keep(before, std::mem::replace(&mut self.frames, frames));
+        self.make_room();
+    }
+
+    /// What is kept now has room before what was left.
+    fn make_room(&mut self) {
+        self.left_frames.make_room(self.budget.saturating_sub(self.frames.n_bytes()));
     }
 
     /// Let time pass as the playback says, recording what the solver has to do; true where the guides moved.
@@ -248,7 +249,7 @@ impl Player {
         dt_secs: f32,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<bool, StageError> {
-        let Movement { start, end, fps, at_end, .. } = self.score.movement;
+        let Movement { start, end, fps, at_end, .. } = self.inputs.score.movement;
         let mut has_moved = false;
         if self.n_resets != playback.n_resets {
             self.n_resets = playback.n_resets;
@@ -259,7 +260,7 @@ impl Player {
             has_moved = true;
         }
         let n_steps = playback.n_steps - std::mem::replace(&mut self.n_steps, playback.n_steps);
-        if self.dragged != playback.head_pose {
+        if self.inputs.dragged != playback.head_pose {
             has_moved = true;
             self.drag(gear, playback)?;
         }
@@ -323,7 +324,8 @@ impl Player {
 
     /// The head is dragged: what moves goes on by hand; hair that does not is simply there too.
     fn drag(&mut self, gear: &Gear<'_>, playback: &Playback) -> Result<(), StageError> {
-        self.dragged = playback.head_pose;
+        let before = self.inputs.clone();
+        self.inputs.dragged = playback.head_pose;
         if playback.is_playing && self.wanted.is_none() {
             if self.moving.as_ref().is_none_or(|moving| moving.front != self.at) {
                 self.stand_at_shot(gear)?;
@@ -332,9 +334,9 @@ impl Player {
         } else {
             self.stop();
             (self.shot, self.wanted) = (None, None);
-            self.at = self.score.movement.start;
+            self.at = self.inputs.score.movement.start;
         }
-        self.forget_frames();
+        self.leave(before);
         Ok(())
     }
 
@@ -365,7 +367,7 @@ impl Player {
             return Ok(());
         }
         self.stand_at_shot(gear)?;
-        if self.moving.is_none() && !self.layers.is_empty() {
+        if self.moving.is_none() && !self.inputs.layers.is_empty() {
             self.moving = self.make_solver(gear, &self.pose_at(self.at))?;
             self.shot.take_if(|_| self.moving.is_some());
         }
@@ -380,7 +382,7 @@ impl Player {
         let Some(shot) = self.frames.get(self.at).cloned() else { return Ok(()) };
         let before = self.at.checked_sub(1).and_then(|at| self.frames.get(at)).cloned();
         let Some(mut moving) = self.make_solver(gear, &shot.world_from_head)? else { return Ok(()) };
-        let steps_per_frame = self.score.course.settings.steps_per_second / self.score.movement.fps;
+        let steps_per_frame = self.inputs.score.course.settings.steps_per_second / self.inputs.score.movement.fps;
         let layers = self.maker.hair().iter().zip(&shot.positions).enumerate();
         for (layer_idx, (hair, shown)) in layers.filter(|(_, (_, shown))| !shown.is_empty()) {
             let last = before.as_ref().and_then(|before| before.positions.get(layer_idx)).unwrap_or(shown);
@@ -456,11 +458,11 @@ impl Player {
     fn stand_before(&mut self, gear: &Gear<'_>, to: u32, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
         let kept = self.frames.state_before(to).map_or(0, |(front, _)| front);
         let is_near = |moving: &Moving| moving.front <= to && moving.front >= kept;
-        if self.layers.is_empty() || self.moving.as_ref().is_some_and(is_near) {
+        if self.inputs.layers.is_empty() || self.moving.as_ref().is_some_and(is_near) {
             return Ok(());
         }
         self.is_by_hand = false;
-        let start = self.score.movement.start;
+        let start = self.inputs.score.movement.start;
         self.stop();
         let Some(mut moving) = self.make_solver(gear, &self.pose_at(start))? else { return Ok(()) };
         if let Some((front, state)) = self.frames.state_before(to)
@@ -470,7 +472,7 @@ impl Player {
             self.moving = Some(moving);
             return Ok(());
         }
-        let warm_up_left = (self.score.movement.warm_up_secs * self.score.movement.fps).round() as u32;
+        let warm_up_left = (self.inputs.score.movement.warm_up_secs * self.inputs.score.movement.fps).round() as u32;
         (moving.front, moving.warm_up_left) = (start, warm_up_left);
         self.moving = Some(moving);
         self.record(gear, encoder);
@@ -479,8 +481,10 @@ impl Player {
 
     /// A solver at rest; `None` while it is still being made.
     fn make_solver(&mut self, gear: &Gear<'_>, world_from_head: &Affine3A) -> Result<Option<Moving>, ShaderError> {
-        let settings = self.score.course.settings.clone();
-        let Some(mut solver) = self.maker.make(gear, &self.layers, self.moved, &settings)? else { return Ok(None) };
+        let settings = self.inputs.score.course.settings.clone();
+        let Some(mut solver) = self.maker.make(gear, &self.inputs.layers, self.inputs.moved, &settings)? else {
+            return Ok(None);
+        };
         solver.set_head_pose(world_from_head);
         solver.reset();
         Ok(Some(Moving { solver, settings, front: self.at, warm_up_left: 0 }))
@@ -490,12 +494,12 @@ impl Player {
     fn simulate_frame(&mut self, gear: &Gear<'_>, encoder: &mut wgpu::CommandEncoder) -> Result<(), StageError> {
         let pull = self.hold.pull().filter(|_| self.plays);
         self.is_by_hand |= pull.is_some();
-        let Score { course, movement } = &self.score;
+        let Score { course, movement } = &self.inputs.score;
         let Some(moving) = &mut self.moving else { return Ok(()) };
         moving.solver.set_pull(pull);
         let before = movement.secs_of(moving.front);
         let after = if moving.warm_up_left > 0 { before } else { movement.secs_of(moving.front + 1) };
-        for piece in pieces(course, movement.fps, before, after, self.dragged) {
+        for piece in pieces(course, movement.fps, before, after, self.inputs.dragged) {
             if moving.settings != piece.settings {
                 moving.solver.set_settings(&piece.settings)?;
                 moving.settings.clone_from(&piece.settings);
@@ -515,7 +519,7 @@ impl Player {
     fn record(&mut self, gear: &Gear<'_>, encoder: &mut wgpu::CommandEncoder) {
         let Some(moving) = &self.moving else { return };
         let frame_idx = moving.front;
-        let is_in_range = frame_idx <= self.score.movement.end && moving.warm_up_left == 0;
+        let is_in_range = frame_idx <= self.inputs.score.movement.end && moving.warm_up_left == 0;
         let n_vertices: usize = self.n_shown().sum();
         let n_bytes = n_vertices * size_of::<Vec3>();
         let has_room = self.frames.n_bytes() < self.budget && n_bytes * FEWEST_FRAMES <= self.budget;
@@ -544,11 +548,6 @@ impl Player {
         }
     }
 
-    /// Hair that a hand holds.
-    pub fn held(&self) -> Option<Held> {
-        self.hold.held()
-    }
-
     /// Keep the frames that were recorded; the commands were submitted, and are done.
     pub fn collect(&mut self, gpu: &Gpu) -> Result<(), GpuError> {
         for recorded in std::mem::take(&mut self.recorded) {
@@ -561,65 +560,25 @@ impl Player {
             let positions = recorded.layers.iter().map(read).collect::<Result<_, _>>()?;
             let shot = Shot { world_from_head: recorded.world_from_head, positions };
             self.frames.keep(recorded.frame_idx, Arc::new(shot), self.budget);
+            self.make_room();
         }
         self.hold.collect(gpu)
     }
 
     fn pose_at(&self, frame_idx: u32) -> Affine3A {
-        let secs = self.score.movement.secs_of(frame_idx);
-        self.score.course.pose_with(secs as f32, self.dragged)
+        let secs = self.inputs.score.movement.secs_of(frame_idx);
+        self.inputs.score.course.pose_with(secs as f32, self.inputs.dragged)
     }
 
     /// Vertices of what is shown of each layer: guides, or strands.
     fn n_shown(&self) -> impl Iterator<Item = usize> {
-        self.layers.iter().map(|(layer, binding)| n_moved(self.moved, layer, binding))
-    }
-
-    /// What of each layer is shown elsewhere than at rest on the head.
-    pub fn moved_layers(&self) -> Vec<MovedLayer<'_>> {
-        let shot = self.shot.as_ref();
-        let solver = self.moving.as_ref().map(|moving| &moving.solver);
-        let of_layer = |(layer_idx, n_shown): (usize, usize)| {
-            let positions = match (shot, solver) {
-                (Some(shot), _) => {
-                    shot.layers.get(layer_idx).filter(|buffer| buffer.size() == (16 * n_shown as u64).max(16))
-                }
-                (None, Some(solver)) => (layer_idx < solver.n_layers()).then(|| solver.positions(layer_idx)),
-                (None, None) => None,
-            };
-            match (positions, self.moved) {
-                (None, _) => MovedLayer::Nothing,
-                (Some(positions), Moved::Guides | Moved::Mesh | Moved::Rope) => MovedLayer::Guides(positions),
-                (Some(positions), Moved::Strands) => {
-                    MovedLayer::Strands { positions, n_vertices: moved_vertices(&self.layers[layer_idx].0) }
-                }
-            }
-        };
-        self.n_shown().enumerate().map(of_layer).collect()
-    }
-
-    /// Share of what moves that is prepared, while it is being prepared.
-    pub fn made(&self) -> Option<f32> {
-        self.maker.share()
-    }
-
-    /// What was being prepared is there to be taken.
-    pub fn has_made(&self) -> bool {
-        self.maker.has_made()
+        self.inputs.layers.iter().map(|(layer, binding)| n_moved(self.inputs.moved, layer, binding))
     }
 
     /// Do not wait for what is being prepared: nothing moves until something else is to be moved. Returns what moved before.
     pub fn give_up_making(&mut self) -> Moved {
         self.maker.give_up();
         self.moved_before
-    }
-
-    /// Frames until the one that was asked for, the warm-up's included.
-    pub fn n_left(&self) -> u32 {
-        let Some(wanted) = self.wanted else { return 0 };
-        let (front, warm_up_left) =
-            self.moving.as_ref().map_or((self.score.movement.start, 0), |moving| (moving.front, moving.warm_up_left));
-        warm_up_left + wanted.saturating_sub(front)
     }
 
     /// Stay at the frame that is shown, whichever was asked for.
@@ -630,73 +589,5 @@ impl Player {
     /// On the way to a frame that was asked for, the next picture may take so many times as long as the last one.
     pub fn simulate_within(&mut self, ratio: f32) {
         self.n_at_once = ((self.n_at_once as f32 * ratio) as u32).clamp(LEAST_AT_ONCE, FRAMES_AT_ONCE);
-    }
-
-    /// The air as it is drawn: the grid's of the last frame that was simulated, or free air where there is no grid; `None`
-    /// where it is still. Waits for the GPU.
-    pub fn air(&self) -> Result<Option<AirGrid>, GpuError> {
-        let settings = &self.score.course.settings;
-        let grid = self.moving.as_ref().and_then(|moving| moving.solver.air_grid());
-        Ok(match (settings.wind, grid) {
-            (Wind::Off, _) => None,
-            (Wind::Grid, Some(grid)) => Some(grid.read_air()?),
-            (Wind::Uniform | Wind::Grid, _) => Some(AirGrid::of_free(FreeAir::new(settings, self.now().1))),
-        })
-    }
-
-    pub fn world_from_head(&self) -> Affine3A {
-        self.shot.as_ref().map_or(self.world_from_head, |shot| shot.world_from_head)
-    }
-
-    /// What is shown, on the CPU: for whatever takes it over into the groom. `None` where hair is at rest.
-    pub fn shot(&self) -> Result<Option<Shot>, GpuError> {
-        if let Some(shot) = self.frames.get(self.at).filter(|_| self.shot.is_some()) {
-            return Ok(Some(Shot::clone(shot)));
-        }
-        let Some(moving) = &self.moving else { return Ok(None) };
-        let read = |layer_idx| {
-            let positions = moving.solver.read_positions(layer_idx)?;
-            Ok(positions.iter().map(|p| p.xyz()).collect())
-        };
-        let positions = (0..moving.solver.n_layers()).map(read).collect::<Result<_, GpuError>>()?;
-        Ok(Some(Shot { world_from_head: self.world_from_head, positions }))
-    }
-
-    /// The frame that is shown, and its time.
-    pub fn now(&self) -> (u32, f64) {
-        (self.at, self.score.movement.secs_of(self.at))
-    }
-
-    pub fn frames(&self) -> &Frames {
-        &self.frames
-    }
-
-    /// A frame was asked for and is still to be simulated.
-    pub fn wanted(&self) -> Option<u32> {
-        self.wanted
-    }
-
-    /// Playing has come to the end of the range and stays there.
-    pub fn has_ended(&self) -> bool {
-        self.has_ended
-    }
-
-    /// What is shown now was made by hand and is not kept.
-    pub fn is_by_hand(&self) -> bool {
-        self.is_by_hand
-    }
-}
-
-/// Whether what is moved of a layer is the same.
-fn moves_alike(moved: Moved, (layer, binding): &LayerHair, (other_layer, other): &LayerHair) -> bool {
-    let has_same_guides = Arc::ptr_eq(binding, other) || binding.guides == other.guides;
-    match moved {
-        Moved::Guides | Moved::Mesh | Moved::Rope => has_same_guides,
-        Moved::Strands => {
-            Arc::ptr_eq(binding, other)
-                && layer.style == other_layer.style
-                && layer.has_same_sculpt(other_layer)
-                && moved_vertices(layer) == moved_vertices(other_layer)
-        }
     }
 }

@@ -206,6 +206,61 @@ fn what_is_changed_while_it_plays_moves_on_and_is_not_kept() {
 }
 
 #[test]
+fn undo_and_redo_bring_back_the_frames_of_the_state_that_they_come_to() {
+    let first = groom();
+    let mut show = Show::new(&first);
+    let runs = |show: &mut Show| show.stage.player().frames().runs();
+    show.play(25);
+    let (_, at_12) = show.seek(12);
+    let mut stiffer = first.clone();
+    stiffer.simulation.bend_length += 2.0;
+    show.stage.set_groom(&stiffer).unwrap();
+    assert!(runs(&mut show).is_empty());
+    let (_, stiffer_at_12) = show.seek(12);
+    assert!(runs(&mut show) == [0..=12] && stiffer_at_12 != at_12);
+    // Undo: all of the frames, and the one that is shown with them.
+    show.stage.set_groom(&first).unwrap();
+    assert_eq!(runs(&mut show), [0..=24]);
+    show.frame(0.0);
+    assert_eq!((show.at(), show.shot(), show.stage.player().is_by_hand()), (12, at_12.clone(), false));
+    // Redo.
+    show.stage.set_groom(&stiffer).unwrap();
+    show.frame(0.0);
+    assert_eq!((runs(&mut show), show.shot()), (vec![0..=12], stiffer_at_12));
+    // Another movement, and back: nothing is simulated on the way to the frame.
+    let mut nodding = first.clone();
+    nodding.movement.motion = Motion::Nod;
+    show.stage.set_groom(&nodding).unwrap();
+    show.seek(12);
+    show.stage.set_groom(&first).unwrap();
+    show.frame(0.0);
+    assert_eq!((show.at(), show.shot(), show.stage.player().wanted()), (12, at_12.clone(), None));
+    // What was combed and taken back is the same hair.
+    let mut longer = first.clone();
+    let Source::Guides(strands) = &first.layers[0].source else { panic!() };
+    let mut points = Strands::clone(strands);
+    points.points.iter_mut().for_each(|p| p.y *= 1.02);
+    longer.layers[0].source = Source::Guides(Arc::new(points));
+    show.stage.set_groom(&longer).unwrap();
+    assert!(runs(&mut show).is_empty());
+    show.stage.set_groom(&first).unwrap();
+    assert_eq!(runs(&mut show), [0..=24]);
+    // The head that is dragged and put back, too.
+    show.playback.head_pose.shift.x = 1.0;
+    show.frame(0.0);
+    assert!(runs(&mut show).is_empty());
+    show.playback.head_pose.shift.x = 0.0;
+    show.frame(0.0);
+    assert_eq!((runs(&mut show), show.seek(12)), (vec![0..=24], (12, at_12)));
+    // The memory is one for all: what is kept now goes before what was left.
+    show.stage.player().set_budget(25 * (16 * 120 + 100));
+    show.stage.set_groom(&stiffer).unwrap();
+    show.seek(24);
+    show.stage.set_groom(&first).unwrap();
+    assert!(runs(&mut show).is_empty());
+}
+
+#[test]
 fn what_is_painted_to_be_held_and_what_is_pinned_while_it_plays_is_held_from_then_on() {
     let mut groom = lorelei_assets::hairstyle("braid").unwrap();
     groom.look.shadowing = Shadowing::Off;
