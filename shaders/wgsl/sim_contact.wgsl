@@ -144,8 +144,10 @@ fn contact_barrier(
 
 // How far a vertex goes in a step as any obstacle sees it; with the head it would have gone to `carried`.
 fn contact_way(x: vec3<f32>, prev: vec3<f32>, carried: vec3<f32>) -> f32 {
-    let by_itself = contact.capsule_way * (moments.y - moments.x);
-    return max(distance(x, carried), select(0.0, distance(x, prev), contact.n_capsules > 0u)) + by_itself;
+    if contact.n_capsules == 0u {
+        return distance(x, carried);
+    }
+    return max(distance(x, carried), distance(x, prev)) + contact.capsule_way * (moments.y - moments.x);
 }
 
 // Keep out a vertex that a correction takes from `start` to `x` at the end of a step.

@@ -40,9 +40,9 @@ fn shown_at(k: u32, place: vec3<f32>, x: vec3<f32>, begun: vec3<f32>) -> vec4<f3
 }
 
 fn clamp_length(v: vec3<f32>, largest: f32) -> vec3<f32> {
-    let l = length(v);
-    if l > largest {
-        return v * (largest / l);
+    let squared = dot(v, v);
+    if squared > largest * largest {
+        return v * (largest * inverseSqrt(squared));
     }
     return v;
 }

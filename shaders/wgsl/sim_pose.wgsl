@@ -68,9 +68,9 @@ fn inverse_length(v: vec3<f32>) -> f32 {
     return select(0.0, inverseSqrt(squared), squared > 1e-18);
 }
 
-// What the smallest rotation that takes the direction of `a` to that of `b` makes of `v`.
-fn turned_as(a: vec3<f32>, b: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
-    let by_a = inverse_length(a);
+// What the smallest rotation that takes the direction of `a` to that of `b` makes of `v`. `by_a`: one over the length of `a`, 0 where
+// it has none; `along_a`: how far `v` goes along the direction of `a`.
+fn turned_as(a: vec3<f32>, by_a: f32, along_a: f32, b: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     let by_b = inverse_length(b);
     let a_unit = a * by_a;
     let b_unit = b * by_b;
@@ -78,7 +78,6 @@ fn turned_as(a: vec3<f32>, b: vec3<f32>, v: vec3<f32>) -> vec3<f32> {
     if w < 1e-5 || by_a * by_b == 0.0 {
         return rotate(shortest_turn(a, b), v);
     }
-    let along_a = dot(a_unit, v);
     let share = (along_a + dot(b_unit, v)) / w;
     return v - share * a_unit + (2.0 * along_a - share) * b_unit;
 }

@@ -11,24 +11,29 @@ use lorelei_shaders::{Gpu, GpuError, ShaderError, ShaderLibrary};
 
 use crate::{CpuSolver, GpuSolver};
 
-/// Steps of a measured frame.
+/// Steps of a measured frame where nothing else is said.
 pub const STEPS: u32 = 8;
-/// Steps a second while measuring.
-const STEPS_PER_SECOND: f32 = 240.0;
-const FRAME_SECS: f32 = STEPS as f32 / STEPS_PER_SECOND;
+const FRAMES_PER_SECOND: f32 = 30.0;
+const FRAME_SECS: f32 = 1.0 / FRAMES_PER_SECOND;
 
 /// Strands that shake on a ball.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Workload {
     pub n_strands: u32,
     pub n_vertices: u32,
+    /// Of a frame.
+    pub n_steps: u32,
     /// They keep out of the ball.
     pub has_field: bool,
 }
 
 impl Workload {
     pub const fn new(n_strands: u32, n_vertices: u32) -> Self {
-        Self { n_strands, n_vertices, has_field: true }
+        Self { n_strands, n_vertices, n_steps: STEPS, has_field: true }
+    }
+
+    fn steps_per_second(&self) -> f32 {
+        self.n_steps as f32 * FRAMES_PER_SECOND
     }
 
     /// Whether a device can bind what a law keeps of every vertex.
@@ -50,7 +55,7 @@ pub enum BenchError {
     Gpu(#[from] GpuError),
 }
 
-/// Milliseconds that the GPU takes for a frame of [`STEPS`] steps: the median of rounds of several frames each, after warming
+/// Milliseconds that the GPU takes for a frame of 1/30 s: the median of rounds of several frames each, after warming
 /// up for as long. Between two timestamps of the GPU; where it has none, from submission until the work is done.
 pub fn gpu_frame_ms(
     gpu: &Gpu,
@@ -60,7 +65,7 @@ pub fn gpu_frame_ms(
     budget: Duration,
 ) -> Result<f64, BenchError> {
     let (guides, field) = (wavy(work), ball());
-    let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
+    let settings = SimulationSettings { steps_per_second: work.steps_per_second(), ..settings.clone() };
     let field = work.has_field.then_some(&field);
     let mut solver = GpuSolver::new(gpu, library, &[&guides], field, &settings)?;
     let stopwatch = Stopwatch::new(gpu);
@@ -131,7 +136,7 @@ impl Stopwatch {
 /// Milliseconds that the CPU takes for a frame of [`STEPS`] steps, with as many threads: the median over a time.
 pub fn cpu_frame_ms(work: Workload, settings: &SimulationSettings, n_threads: usize, budget: Duration) -> f64 {
     let (guides, field) = (wavy(work), ball());
-    let settings = SimulationSettings { steps_per_second: STEPS_PER_SECOND, ..settings.clone() };
+    let settings = SimulationSettings { steps_per_second: work.steps_per_second(), ..settings.clone() };
     let measured = || {
         let mut solver = CpuSolver::new(&[&guides], work.has_field.then_some(&field), &settings);
         let mut times = Vec::new();

@@ -3,7 +3,7 @@
 //! Vertices are equal masses, integrated by Verlet's rule and then corrected in position, iteration by iteration (SIGGRAPH
 //! 2010 course on real-time hair, "one simulation step"; Chen 2014, 3.2; the Nalu demo): lengths in two batches whose edges
 //! share no vertex, angular constraints towards the local shape at rest, contacts. Every vertex of a batch can be moved at
-//! once, so on the GPU a thread takes a vertex, and a workgroup as many strands as have room.
+//! once, so on the GPU a thread takes two vertices, and a workgroup as many strands as have room.
 //!
 //! By themselves those spread a pull by two vertices an iteration, so that long hair stretches by a fifth under its own
 //! weight and more when it is shaken, and every style sags when time starts (measured). Three things keep that from it:
@@ -38,6 +38,9 @@ const CLOSINGS: usize = 8;
 const CLOSED: f32 = 0.002;
 /// As near as this to the style, and to where it was, a vertex is put to the style: hair at rest stays to the last bit, cm.
 const AT_REST: f32 = 5e-5;
+
+/// Vertices that a thread of the twin takes.
+pub const BLOCK: u32 = 2;
 
 /// [`SimulationSettings`] made ready for steps. Layout of `ChainParams` in WGSL.
 #[derive(Debug, Clone, Copy, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -221,7 +224,7 @@ fn integrate(
 /// Where vertices go that a hand of stiffness `pulled`, in units of the step's inertia, holds on their way to `to` over one more
 /// than that. An edge that pulls with a force is a spring without a length whose stiffness is the force over the length of the
 /// edge, across the edge as along it. Implicit, one equation with three unknowns a vertex, so that it is stable at any step;
-/// at rest it is where the style is. The twin halves the equations instead, so that every vertex has a thread.
+/// at rest it is where the style is. The twin halves the equations instead, so that all its threads are at work.
 fn take_pulls(to: &mut [Vec3], pulled: &[f32], s: &[ChainVertex], rest: &[ChainRest], squared_step: f32) {
     let n = to.len();
     let stiffness = |k: usize| if k < n { squared_step * s[k].x.w / rest_length(rest, k).max(SHORTEST) } else { 0.0 };
@@ -361,7 +364,9 @@ fn angles(s: &mut [ChainVertex], rest: &[ChainRest], p: &ChainParams, after: Pos
             let rest_below = rotate(after.rotation, rest[k - 1].place.xyz() - rest[k - 2].place.xyz());
             let rest_edge = rotate(after.rotation, rest[k].place.xyz() - rest[k - 1].place.xyz());
             let (below, joint) = (s[k - 2].x.xyz(), s[k - 1].x.xyz());
-            let goal = joint + turned_as(rest_below, joint - below, rest_edge);
+            let by_below = inverse_length(rest_below);
+            let along_below = by_below * rest_below.dot(rest_edge);
+            let goal = joint + turned_as(rest_below, by_below, along_below, joint - below, rest_edge);
             0.5 * p.shape * (goal - s[k].x.xyz())
         })
         .collect();

@@ -14,6 +14,7 @@ use lorelei_core::simulation::{Moved, SimulationSettings, Solver};
 use lorelei_shaders::{Bindings, Gpu, GpuError, Kernel, Link, ShaderError, ShaderLibrary, grid_1d};
 
 use crate::air::{AirFrame, GpuAir, module};
+use crate::chain;
 use crate::clock::{Clock, Frame, MAX_STEPS_PER_FRAME};
 use crate::contact::{Capsule, Obstacles, arrive, capsules_of, come_from, faces_of};
 use crate::follow::Followed;
@@ -507,8 +508,8 @@ impl GpuSolver {
             Solver::Rods => [rod_groups(&self.gpu, model) as u32, 1, 1],
             // As many strands as have room in each.
             Solver::Chains => {
-                let n_strands = self.kernel.workgroup_size()[0] / model.rest.n_vertices;
-                grid_1d(model.n_guides() as u32, n_strands.max(1))
+                let n_threads = model.rest.n_vertices.div_ceil(chain::BLOCK);
+                grid_1d(model.n_guides() as u32, self.kernel.workgroup_size()[0] / n_threads)
             }
         };
         let recorded: Vec<(Bindings, [u32; 3])> = self

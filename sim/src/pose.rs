@@ -93,15 +93,15 @@ pub fn inverse_length(v: Vec3) -> f32 {
     if squared > 1e-18 { 1.0 / squared.sqrt() } else { 0.0 }
 }
 
-/// What the smallest rotation that takes the direction of `a` to that of `b` makes of `v`.
-pub fn turned_as(a: Vec3, b: Vec3, v: Vec3) -> Vec3 {
-    let (by_a, by_b) = (inverse_length(a), inverse_length(b));
+/// What the smallest rotation that takes the direction of `a` to that of `b` makes of `v`. `by_a`: one over the length of `a`, 0
+/// where it has none; `along_a`: how far `v` goes along the direction of `a`.
+pub fn turned_as(a: Vec3, by_a: f32, along_a: f32, b: Vec3, v: Vec3) -> Vec3 {
+    let by_b = inverse_length(b);
     let (a_unit, b_unit) = (by_a * a, by_b * b);
     let w = 1.0 + a_unit.dot(b_unit);
     if w < 1e-5 || by_a * by_b == 0.0 {
         return rotate(shortest_turn(a, b), v);
     }
-    let along_a = a_unit.dot(v);
     let share = (along_a + b_unit.dot(v)) / w;
     v - share * a_unit + (2.0 * along_a - share) * b_unit
 }
