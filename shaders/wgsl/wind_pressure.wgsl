@@ -25,9 +25,17 @@ const LEAST_DIAGONAL = 1e-5;
 const N_COARSE_SWEEPS = 2u;
 const N_COARSEST_SWEEPS = 8u;
 // Threads of the workgroup that solves all coarse levels.
+#ifdef LARGE_WORKGROUPS
+const N_THREADS = 1024u;
+#else
 const N_THREADS = 256u;
+#endif
 
 override COLOUR: u32 = 0u;
+
+// Of each thread that takes an eighth of a coarse cell: what is left of a fine cell's equation, how open a face is.
+var<workgroup> left_of: array<f32, N_THREADS>;
+var<workgroup> open_of: array<f32, N_THREADS>;
 
 fn n_of(level: u32) -> u32 {
     return levels.table[level].x;
@@ -109,28 +117,41 @@ fn mean_openness(level: u32, c: vec3<u32>, axis: u32) -> f32 {
     return select(mean, 2.0 * mean / (1.0 + 0.5 * mean), is_outer);
 }
 
-// What is left of the equations of `level`, as those of a coarser cell.
-fn restrict_to(level: u32, c: vec3<u32>) {
-    let fine = 2u * c;
-    var left = 0.0;
-    for (var i = 0u; i < 8u; i++) {
-        left += residual(level, fine + vec3<u32>(i & 1u, (i >> 1u) & 1u, i >> 2u));
-    }
+// What is left of the equations of `level`, as those of a coarser cell: eight threads that follow each other take an item, one
+// fine cell each and six of them a face. All threads of a workgroup come here together.
+fn restrict_to(level: u32, item: u32, thread: u32) {
     let n = n_of(level + 1u);
-    var low = vec3<f32>(0.0);
-    var high = vec3<f32>(0.0);
-    for (var axis = 0u; axis < 3u; axis++) {
-        low[axis] = mean_openness(level, fine, axis);
-        high[axis] = mean_openness(level, fine + 2u * step_of(axis), axis);
-        let next = c + step_of(axis);
-        if next[axis] == n {
-            openness[at_level(level + 1u, next)][axis] = high[axis];
+    let c = item_cell(item, n);
+    let is_here = c.z < n;
+    let part = thread % 8u;
+    if is_here {
+        let fine = 2u * c;
+        left_of[thread] = residual(level, fine + vec3<u32>(part & 1u, (part >> 1u) & 1u, part >> 2u));
+        let axis = part % 3u;
+        let is_high = part >= 3u;
+        if part < 6u {
+            let open = mean_openness(level, fine + select(0u, 2u, is_high) * step_of(axis), axis);
+            open_of[thread] = open;
+            let next = c + step_of(axis);
+            if is_high && next[axis] == n {
+                openness[at_level(level + 1u, next)][axis] = open;
+            }
         }
     }
-    let at = at_level(level + 1u, c);
-    openness[at] = vec4<f32>(low, 0.0);
-    equations[at] = vec2<f32>(0.5 * left, inverse_diagonal(low, high));
-    pressure[at] = 0.0;
+    workgroupBarrier();
+    if is_here && part == 0u {
+        var left = 0.0;
+        for (var i = 0u; i < 8u; i++) {
+            left += left_of[thread + i];
+        }
+        let low = vec3<f32>(open_of[thread], open_of[thread + 1u], open_of[thread + 2u]);
+        let high = vec3<f32>(open_of[thread + 3u], open_of[thread + 4u], open_of[thread + 5u]);
+        let at = at_level(level + 1u, c);
+        openness[at] = vec4<f32>(low, 0.0);
+        equations[at] = vec2<f32>(0.5 * left, inverse_diagonal(low, high));
+        pressure[at] = 0.0;
+    }
+    workgroupBarrier();
 }
 
 // Add the coarser level's pressure, interpolated from where there is air.
@@ -207,12 +228,12 @@ fn sweep(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) 
 
 // To the level below this one.
 @compute @workgroup_size(64)
-fn coarsen(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
-    let n = n_of(levels.level + 1u);
-    let c = item_cell(id.x + id.y * n_groups.x * 64u, n);
-    if c.z < n {
-        restrict_to(levels.level, c);
-    }
+fn coarsen(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(num_workgroups) n_groups: vec3<u32>,
+    @builtin(local_invocation_index) thread: u32,
+) {
+    restrict_to(levels.level, (id.x + id.y * n_groups.x * 64u) / 8u, thread);
 }
 
 // From the level below this one.
@@ -239,7 +260,7 @@ fn sweep_together(level: u32, thread: u32) {
 }
 
 // One cycle over this level and all coarser ones, in one workgroup.
-@compute @workgroup_size(256)
+@compute @workgroup_size(N_THREADS)
 fn coarse(@builtin(local_invocation_index) thread: u32) {
     let last = levels.n_levels - 1u;
     for (var level = levels.level; level < last; level++) {
@@ -247,8 +268,8 @@ fn coarse(@builtin(local_invocation_index) thread: u32) {
             sweep_together(level, thread);
         }
         let n = n_of(level + 1u);
-        for (var item = thread; item < n * n * n; item += N_THREADS) {
-            restrict_to(level, item_cell(item, n));
+        for (var first = 0u; first < 8u * n * n * n; first += N_THREADS) {
+            restrict_to(level, (first + thread) / 8u, thread);
         }
         storageBarrier();
     }

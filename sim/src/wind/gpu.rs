@@ -243,7 +243,8 @@ impl GpuWind {
                 if level_idx > 0 {
                     sweep(pass, level);
                 }
-                kernels.coarsen.dispatch_items(pass, &level.coarsen, (level.n / 2).pow(3));
+                // Eight threads a cell.
+                kernels.coarsen.dispatch_items(pass, &level.coarsen, level.n.pow(3));
             }
             kernels.coarse.dispatch(pass, &self.coarse, [1, 1, 1]);
             for level in self.fine.iter().rev() {
@@ -330,6 +331,9 @@ impl GpuWind {
 impl Kernels {
     fn new(gpu: &Gpu, library: &ShaderLibrary) -> Result<Self, ShaderError> {
         let kernel = |file: &str, entry: &str| library.kernel(gpu, file, entry, &[], &[] as &[Link<'_>]);
+        let limits = gpu.device.limits();
+        let most = limits.max_compute_invocations_per_workgroup.min(limits.max_compute_workgroup_size_x);
+        let large: &[Link<'_>] = if most >= 1024 { &[Link::Def("LARGE_WORKGROUPS")] } else { &[] };
         let sweep = |colour: f64| library.kernel(gpu, "wind_pressure", "sweep", &[("COLOUR", colour)], &[]);
         Ok(Self {
             splat: kernel("wind_hair", "splat")?,
@@ -339,7 +343,7 @@ impl Kernels {
             sweeps: [sweep(0.0)?, sweep(1.0)?],
             coarsen: kernel("wind_pressure", "coarsen")?,
             refine: kernel("wind_pressure", "refine")?,
-            coarse: kernel("wind_pressure", "coarse")?,
+            coarse: library.kernel(gpu, "wind_pressure", "coarse", &[], large)?,
             project: kernel("wind_pressure", "project")?,
         })
     }
