@@ -214,23 +214,25 @@ fn turn(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n
     curls[entry(c)] = vec4<f32>(omega, length(omega));
 }
 
+// Four threads a cell: one for each of its lower faces, and one for how open it is.
 @compute @workgroup_size(64)
 fn predict(@builtin(global_invocation_id) id: vec3<u32>, @builtin(num_workgroups) n_groups: vec3<u32>) {
-    let c = item_cell(id.x + id.y * n_groups.x * 64u, grid.n + 1u);
+    let item = id.x + id.y * n_groups.x * 64u;
+    let c = item_cell(item / 4u, grid.n + 1u);
     if c.z > grid.n {
         return;
     }
-    var speeds = vec4<f32>(0.0);
-    var open = vec4<f32>(0.0);
-    for (var axis = 0u; axis < 3u; axis++) {
-        // The other two axes end a cell earlier.
-        if all(c < vec3<u32>(grid.n) + step_of(axis)) {
-            let face = predict_face(c, axis);
-            speeds[axis] = face.x;
-            open[axis] = face.y;
-        }
+    let axis = item % 4u;
+    if axis == 3u {
+        predicted[entry(c)].w = open_at(grid.min + grid.cell * (vec3<f32>(c) + 0.5));
+        openness[entry(c)].w = 0.0;
+        return;
     }
-    speeds.w = open_at(grid.min + grid.cell * (vec3<f32>(c) + 0.5));
-    predicted[entry(c)] = speeds;
-    openness[entry(c)] = open;
+    var face = vec2<f32>(0.0);
+    // The other two axes end a cell earlier.
+    if all(c < vec3<u32>(grid.n) + step_of(axis)) {
+        face = predict_face(c, axis);
+    }
+    predicted[entry(c)][axis] = face.x;
+    openness[entry(c)][axis] = face.y;
 }

@@ -220,7 +220,8 @@ impl GpuWind {
         if self.grid.vorticity > 0.0 {
             kernels.turn.dispatch_items(&mut pass, &turn, n_cells);
         }
-        kernels.predict.dispatch_items(&mut pass, &predict, n_entries);
+        // Four threads an entry.
+        kernels.predict.dispatch_items(&mut pass, &predict, 4 * n_entries);
         kernels.begin.dispatch_items(&mut pass, &begin, n_cells);
         self.record_solve(&mut pass, settings.air.n_cycles);
         kernels.project.dispatch_items(&mut pass, &project, n_entries);
