@@ -38,12 +38,11 @@ pub struct MeasureArguments {
     /// What to measure.
     #[arg(value_enum)]
     what: What,
-    /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter, size,
-    /// rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
+    /// As JSON: an array of objects, of `grooming` and `scattering` {what, n, ms, note}; of `transparency` one object {adapter,
+    /// size, rows: [{groom, strands, opacity, primitive, antialiasing, choice, rmse, p99, coverage, gpu_ms, bytes}]}; of `frames`
     /// {adapter, rows: [{strands, vertices, size, lights, gpu_ms, orbit_gpu_ms, ribbons_gpu_ms, bytes}], notes}; of `movement`
-    /// {adapter, threads, steps, rows: [{what, strands, vertices, solver, gpu_ms, cpu_ms, thread_ms}], beside: [{strands, what,
-    /// gpu_ms, plain_ms}]}; of `laws` {device, rows:
-    /// [{law, scene, of, value, unit, relation, bound, holds}]}.
+    /// {adapter, threads, rows: [{what, strands, vertices, steps, solver, gpu_ms, cpu_ms, thread_ms}], beside: [{strands, what,
+    /// gpu_ms, plain_ms}]}; of `laws` {device, rows: [{law, scene, of, value, unit, relation, bound, holds}]}.
     #[arg(long)]
     pub(super) json: bool,
     /// Put the table into a page, between its marks. Without FILE: the page in the project's docs/.
