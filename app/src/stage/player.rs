@@ -169,6 +169,8 @@ impl Player {
             return Ok(too_much);
         }
         let is_restarted = !self.inputs.score.movement.moves_like(&before.score.movement);
+        let is_at_front = self.moving.as_ref().is_some_and(|moving| moving.front == self.at);
+        let shown = self.shown_shots().filter(|_| self.shot.is_some() && !is_restarted && !is_at_front);
         self.leave(before);
         if !has_same_curves {
             self.hold.drop_hair();
@@ -198,6 +200,12 @@ impl Player {
                     moving.solver.set_ties(layer_idx, &hair.ties);
                 }
             }
+        }
+        if let Some([shot, last]) = shown
+            && self.moving.is_none()
+        {
+            // A kept frame is seen: the hair moves on from there.
+            self.stand_at(gear, &shot, &last)?;
         }
         self.is_by_hand = self.moving.is_some();
         let is_shown = self.is_by_hand || self.shot.is_some();
@@ -379,13 +387,28 @@ impl Player {
     /// A solver that goes on from the kept frame that is shown, with the speed that the two last frames show.
     fn stand_at_shot(&mut self, gear: &Gear<'_>) -> Result<(), StageError> {
         self.stop();
-        let Some(shot) = self.frames.get(self.at).cloned() else { return Ok(()) };
-        let before = self.at.checked_sub(1).and_then(|at| self.frames.get(at)).cloned();
+        match self.shown_shots() {
+            Some([shot, last]) => self.stand_at(gear, &shot, &last),
+            None => Ok(()),
+        }
+    }
+
+    /// The kept frame that is shown, and the one before; the first is its own.
+    fn shown_shots(&self) -> Option<[Arc<Shot>; 2]> {
+        let shot = self.frames.get(self.at)?;
+        let last = self.at.checked_sub(1).and_then(|at| self.frames.get(at)).unwrap_or(shot);
+        Some([Arc::clone(shot), Arc::clone(last)])
+    }
+
+    /// A solver whose hair is at a frame, and goes as it did from the `last` one to there.
+    fn stand_at(&mut self, gear: &Gear<'_>, shot: &Shot, last: &Shot) -> Result<(), StageError> {
         let Some(mut moving) = self.make_solver(gear, &shot.world_from_head)? else { return Ok(()) };
         let steps_per_frame = self.inputs.score.course.settings.steps_per_second / self.inputs.score.movement.fps;
         let layers = self.maker.hair().iter().zip(&shot.positions).enumerate();
-        for (layer_idx, (hair, shown)) in layers.filter(|(_, (_, shown))| !shown.is_empty()) {
-            let last = before.as_ref().and_then(|before| before.positions.get(layer_idx)).unwrap_or(shown);
+        // Other hair than was shown begins at rest.
+        let layers = layers.filter(|(_, (hair, shown))| !shown.is_empty() && shown.len() == hair.n_shown());
+        for (layer_idx, (hair, shown)) in layers {
+            let last = last.positions.get(layer_idx).unwrap_or(shown);
             let (x, last) = (hair.curves_of(shown), hair.curves_of(last));
             let prev: Vec<Vec3> = x.iter().zip(last).map(|(x, last)| *x - (*x - last) / steps_per_frame).collect();
             moving.solver.set_state(layer_idx, &x, &prev);

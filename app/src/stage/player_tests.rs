@@ -206,6 +206,39 @@ fn what_is_changed_while_it_plays_moves_on_and_is_not_kept() {
 }
 
 #[test]
+fn what_is_changed_while_kept_frames_are_seen_moves_on_from_the_one_that_is_seen() {
+    let mut groom = groom();
+    let mut show = Show::new(&groom);
+    show.play(30);
+    let farthest = |a: &Shot, b: &Shot| {
+        let pairs = a.positions.iter().flatten().zip(b.positions.iter().flatten());
+        pairs.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+    };
+    for at in [18, 9] {
+        let (_, seen) = show.seek(at);
+        groom.simulation.bend_length += 1.0;
+        show.stage.set_groom(&groom).unwrap();
+        show.play(1);
+        let after = show.shot().unwrap();
+        assert_eq!((show.at(), show.stage.player().is_by_hand()), (at + 1, true));
+        assert!(farthest(&seen.unwrap(), &after) < 4.0 && after.positions[0].len() == 120);
+        // Kept frames for the next round.
+        show.seek(0);
+        show.seek(20);
+    }
+    // Fewer points: other hair, at rest where time is.
+    show.seek(10);
+    let Source::Guides(strands) = &groom.layers[0].source else { panic!() };
+    let mut fewer = Strands::default();
+    strands.iter().take(7).for_each(|points| fewer.push(&points[..8]));
+    groom.layers[0].source = Source::Guides(Arc::new(fewer));
+    show.stage.set_groom(&groom).unwrap();
+    show.play(1);
+    let rest = show.shot().unwrap();
+    assert!(rest.positions[0].iter().all(|p| p.is_finite()) && rest.positions[0].len().is_multiple_of(7));
+}
+
+#[test]
 fn undo_and_redo_bring_back_the_frames_of_the_state_that_they_come_to() {
     let first = groom();
     let mut show = Show::new(&first);
@@ -216,6 +249,7 @@ fn undo_and_redo_bring_back_the_frames_of_the_state_that_they_come_to() {
     stiffer.simulation.bend_length += 2.0;
     show.stage.set_groom(&stiffer).unwrap();
     assert!(runs(&mut show).is_empty());
+    show.seek(0);
     let (_, stiffer_at_12) = show.seek(12);
     assert!(runs(&mut show) == [0..=12] && stiffer_at_12 != at_12);
     // Undo: all of the frames, and the one that is shown with them.
@@ -255,6 +289,7 @@ fn undo_and_redo_bring_back_the_frames_of_the_state_that_they_come_to() {
     // The memory is one for all: what is kept now goes before what was left.
     show.stage.player().set_budget(25 * (16 * 120 + 100));
     show.stage.set_groom(&stiffer).unwrap();
+    show.seek(0);
     show.seek(24);
     show.stage.set_groom(&first).unwrap();
     assert!(runs(&mut show).is_empty());
