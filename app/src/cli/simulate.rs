@@ -23,12 +23,12 @@ use super::scene::{Scene, SceneArguments};
 use super::wind_source::{self, SourceArgument};
 use super::{CliError, check_png, make_folder_of, pin, print_line};
 use crate::movement::file::{self, Contents, EXTENSION, Replaced, Writer};
-use crate::movement::filmstrip::{filmstrip, frames_of};
+use crate::movement::filmstrip::{camera_of_all, filmstrip, frames_of, title_of};
 use crate::movement::range::header_of;
 use crate::movement::solver::On;
 use crate::movement::{Course, Run, Shot, Subject};
 use crate::stage::pacer::Detail;
-use crate::stage::{Playback, Stage, bounds_of};
+use crate::stage::{Playback, Stage};
 
 const AFTER_HELP: &str = "\
 What is printed, of what is moved (--set moved=guides|mesh|rope|strands):
@@ -315,7 +315,7 @@ fn draw(
     of_strip: &[u32],
     line: &str,
 ) -> Result<(), CliError> {
-    let camera = camera_for(groom, camera, shots, arguments.size);
+    let camera = camera_of_all(groom, camera, shots, arguments.size[0] as f32 / arguments.size[1] as f32);
     let mut stage = Stage::new(Gpu::headless().map_err(CliError::failed)?).map_err(CliError::failed)?;
     stage.set_bound(groom, bound).map_err(CliError::failed)?;
     let folder = arguments.out.as_ref().filter(|out| !is_frames(out));
@@ -335,9 +335,8 @@ fn draw(
         }
     }
     if let Some(path) = &arguments.filmstrip {
-        let title = format!("{}: {}", groom.name, groom.movement.motion.info().label);
         make_folder_of(path)?;
-        write_png(path, &filmstrip(&title, line, &strip))?;
+        write_png(path, &filmstrip(&title_of(groom), line, &strip))?;
     }
     Ok(())
 }
@@ -350,25 +349,4 @@ fn is_frames(out: &Path) -> bool {
 fn write_png(path: &Path, picture: &RgbaImage) -> Result<(), CliError> {
     write_atomically(path, |file| picture.write_to(file, image::ImageFormat::Png).map_err(std::io::Error::other))
         .map_err(CliError::failed)
-}
-
-/// The camera that was asked for; where that frames the groom at rest, it frames all that is seen of the movement.
-fn camera_for(groom: &Groom, camera: &Camera, shots: &[(u32, Shot)], size: [u32; 2]) -> Camera {
-    let aspect = size[0] as f32 / size[1] as f32;
-    let at_rest = bounds_of(groom);
-    let mut framed = *camera;
-    framed.frame(at_rest, aspect);
-    if framed != *camera {
-        return *camera;
-    }
-    let (mut low, mut high) = at_rest;
-    for (_, shot) in shots {
-        for p in shot.positions.iter().flatten().filter(|p| p.is_finite()) {
-            // An explosion need not be framed whole.
-            let p = p.clamp(at_rest.0 - 60.0, at_rest.1 + 60.0);
-            (low, high) = (low.min(p), high.max(p));
-        }
-    }
-    framed.frame((low, high), aspect);
-    framed
 }

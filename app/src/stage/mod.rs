@@ -410,13 +410,18 @@ impl Stage {
 /// Below the neck's joint, a bust is no part of the portrait, centimetres.
 const BELOW_NECK: f32 = 8.0;
 
+/// Vertices of the head, without what a bust has below the neck.
+pub fn portrait_of(groom: &Groom) -> impl Iterator<Item = Vec3> {
+    let lowest = neck_of(groom).y - BELOW_NECK;
+    let all = groom.head.iter().flat_map(|head| head.mesh.positions.iter().copied());
+    all.filter(move |p| p.y >= lowest)
+}
+
 /// The box around hair and head at rest, without what a bust has below the neck; a box of a head's size
 /// where there is nothing.
 pub fn bounds_of(groom: &Groom) -> (Vec3, Vec3) {
-    let lowest = neck_of(groom).y - BELOW_NECK;
-    let above = groom.head.iter().flat_map(|head| head.mesh.positions.iter().filter(|p| p.y >= lowest));
-    let mut all =
-        above.fold(None, |all: Option<(Vec3, Vec3)>, &p| Some(all.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p)))));
+    let mut all = portrait_of(groom)
+        .fold(None, |all: Option<(Vec3, Vec3)>, p| Some(all.map_or((p, p), |(lo, hi)| (lo.min(p), hi.max(p)))));
     let mut add = |(min, max): (Vec3, Vec3)| {
         all = Some(all.map_or((min, max), |(lo, hi)| (lo.min(min), hi.max(max))));
     };
