@@ -82,7 +82,7 @@ struct Vertex {
 @group(0) @binding(auto) var<storage, read> rest: array<ChainRest>;
 @group(0) @binding(auto) var<storage, read_write> s: array<ChainVertex>;
 
-// What threads tell their neighbours, each number side by side for all of them: vectors in slots, which are
+// What threads tell their neighbours: a vector in each of these slots, every number of it side by side for all threads.
 const HIGH: u32 = 0u;
 const LOW: u32 = 1u;
 const JOINT: u32 = 2u;
@@ -111,6 +111,7 @@ var<private> length_above: f32;
 // The edge below `low`'s own as the style has it after the step.
 var<private> styled_below: vec3<f32>;
 
+// Tell the neighbours; they hear it after the next barrier.
 fn say(slot: u32, v: vec3<f32>) {
     let i = 3u * LANES * slot + lane;
     said[i] = v.x;
@@ -127,8 +128,8 @@ fn along(k: u32) -> f32 {
     return f32(k) / f32(asked.n_vertices - 1u);
 }
 
-// Verlet's rule for one vertex: where it goes (xyz) times one more than the stiffness of the hand on it (w). Pinned it goes with the
-// head, to `styled`.
+// Verlet's rule for one vertex: where it goes (xyz) times one more than the stiffness of the hand on it (w). Pinned it goes
+// with the head, to `styled`.
 fn integrate(v: Vertex, at: ChainRest, styled: vec3<f32>, after: Pose) -> vec4<f32> {
     if !v.is_free {
         return vec4<f32>(styled, 0.0);
@@ -149,9 +150,9 @@ fn stiffness(v: Vertex) -> f32 {
     return select(0.0, chain.step_secs * chain.step_secs * v.pull / max(v.rest_length, SHORTEST), v.is_free);
 }
 
-// Take both vertices where they go that `integrate` sends to `to_low` and `to_high`: see take_pulls in sim/src/chain.rs. One equation a
-// vertex, with its neighbours' places as unknowns. Each thread puts its lower one's into its upper one's; what is left has
-// the threads' upper vertices as unknowns, and each round puts in theirs, until none is left.
+// Take both vertices where they go that `integrate` sends to `to_low` and `to_high`: see take_pulls in sim/src/chain.rs.
+// One equation a vertex, with its neighbours' places as unknowns. Each thread puts its lower one's into its upper one's;
+// what is left has the threads' upper vertices as unknowns, and each round puts in theirs, until none is left.
 fn take_pulls(to_low: vec4<f32>, to_high: vec4<f32>) {
     let w_low = stiffness(low);
     let w_high = stiffness(high);
@@ -294,8 +295,8 @@ fn contact_of(v: Vertex, rest_distance: f32, carry: Pose, before: Pose, after: P
     return kept;
 }
 
-// Keep the edge below a vertex out of thin colliders on its way from where the step began. In a contact a vertex loses velocity, in
-// a correction it keeps what it has.
+// Keep the edge below a vertex out of thin colliders on its way from where the step began. In a contact a vertex loses
+// velocity, in a correction it keeps what it has.
 fn edge_of(v: Vertex, held: Ends, is_contact: bool, carry: Pose, before: Pose, after: Pose) -> Vertex {
     let start = Ends(held.held, v.begun);
     let contacted = collide_edge(start, Ends(held.free, v.x), v.prev, along(v.k), before, after);
