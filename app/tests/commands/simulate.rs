@@ -72,7 +72,7 @@ fn a_node_of_a_file_and_a_fan_move_hair_without_a_window() {
     let through = simulated(folder, &[&fan[..], &grid, &["--set", "wind.hair_drag=0"]].concat());
     let energies = [&still, &slowed, &through, &free].map(most_energy);
     println!("still, slowed, through, free: {energies:?}");
-    assert!(energies[..3].is_sorted_by(|a, b| 1.3 * a < *b) && energies[3] > 20.0, "{energies:?}");
+    assert!(energies[..3].is_sorted_by(|a, b| 1.5 * a < *b) && energies[3] > 20.0, "{energies:?}");
     assert!((0.7..1.1).contains(&(energies[2] / energies[3])), "{energies:?}");
     for json in [&slowed, &through, &free] {
         assert!(json["nan"] == 0 && json["length_error_max"].as_f64().unwrap() < 1e-3, "{json}");

@@ -49,6 +49,9 @@ struct Row {
     beside: &'static str,
 }
 
+/// Law of the frames that something is added to, where none is asked for.
+const PLAIN: Solver = Solver::Rods;
+
 /// A frame of the GPU with something more in it, and the same frame with nothing: no obstacle, air that is still, hair that
 /// passes through hair.
 struct Added {
@@ -70,6 +73,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         let only = arguments.only.as_deref();
         Solver::ALL.iter().copied().filter(move |solver| only.is_none_or(|name| name == solver.info().name))
     };
+    let plain = solvers().find(|&solver| solver == PLAIN).or(solvers().next()).unwrap_or(PLAIN);
     let mut rows = Vec::new();
     let mut added = Vec::new();
     for (what, work, beside) in work {
@@ -87,7 +91,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
                 row.thread_ms = Some(cpu_frame_ms(work, &settings, 1, BUDGET));
             }
             let is_plain =
-                solver == Solver::Rods && work.n_strands >= 1_000 && work.n_strands != 4_000 && work.n_steps == STEPS;
+                solver == plain && work.n_strands >= 1_000 && work.n_strands != 4_000 && work.n_steps == STEPS;
             if row.gpu_ms.is_some() && is_plain {
                 added.extend(added_to(&gpu, &library, work, &settings)?);
             }
@@ -101,7 +105,7 @@ pub(super) fn run(arguments: &MeasureArguments) -> Result<(), CliError> {
         let all = json!({ "adapter": adapter, "threads": n_threads, "rows": rows, "beside": beside });
         return print_line(&serde_json::to_string_pretty(&all).map_err(CliError::failed)?);
     }
-    let table = format!("{}{}", table(adapter, n_threads, &rows), table_of_added(&added));
+    let table = format!("{}{}", table(adapter, n_threads, &rows), table_of_added(plain, &added));
     match &arguments.write {
         Some(path) => page::write(path, PAGE, &table),
         None => print_line(&table),
@@ -197,15 +201,17 @@ fn table(adapter: &str, n_threads: usize, rows: &[Row]) -> String {
     text
 }
 
-fn table_of_added(added: &[Added]) -> String {
+fn table_of_added(plain: Solver, added: &[Added]) -> String {
     if added.is_empty() {
         return String::new();
     }
-    let mut text = "\nWhat else a frame of the GPU pays for, beside the same frame of rods without obstacles, in still air, where hair \
-                    passes through hair:\n\n\
-                    | strands | with | frame | plain frame | more |\n\
-                    |---|---|---|---|---|\n"
-        .to_owned();
+    let mut text = format!(
+        "\nWhat else a frame of the GPU pays for, beside the same frame of {} without obstacles, in still air, where hair passes \
+         through hair:\n\n\
+         | strands | with | frame | plain frame | more |\n\
+         |---|---|---|---|---|\n",
+        plain.info().name
+    );
     for Added { n_strands, what, gpu_ms, plain_ms } in added {
         let more = 100.0 * (gpu_ms / plain_ms - 1.0);
         // Writing to a string cannot fail.

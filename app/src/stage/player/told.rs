@@ -120,6 +120,7 @@ impl Player {
     pub fn is_by_hand(&self) -> bool {
         self.is_by_hand
     }
+
     /// Hair that a hand holds.
     pub fn held(&self) -> Option<Held> {
         self.hold.held()
